@@ -1,0 +1,20 @@
+# cargobay_layer(<layer> SOURCES ...): the static library cargobay_<layer> and its alias.
+# Sources are globbed with CONFIGURE_DEPENDS by the callers: a new file is picked up by the next
+# build without touching CMake.
+function(cargobay_layer layer)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES")
+  set(target cargobay_${layer})
+  if(NOT arg_SOURCES)
+    # A layer of headers alone still is a library: give it one empty translation unit.
+    set(arg_SOURCES ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
+    file(CONFIGURE OUTPUT ${arg_SOURCES} CONTENT "")
+  endif()
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(cargobay::${layer} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${layer})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_link_libraries(${target}
+    PRIVATE $<BUILD_INTERFACE:cargobay_warnings>
+    PUBLIC $<BUILD_INTERFACE:cargobay_sanitize>)
+endfunction()

@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# Installs the Debian packages of one purpose, if any is missing.
+# usage: .ci/packages.sh run|quick|test [--list]
+#   run    what examples/run.sh needs: to build the command
+#   quick  what tests/run.sh --quick needs
+#   test   what tests/run.sh needs: sanitizers, lint, cross compiler
+# Asks nothing. Uses sudo only if not root.
+set -euo pipefail
+
+run=(g++ cmake ninja-build pkg-config libc6-dev libeigen3-dev libserialport-dev libgpiod-dev
+  libcli11-dev nlohmann-json3-dev libfmt-dev)
+quick=("${run[@]}" libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev clang-format-22)
+test=("${quick[@]}" clang-22 clang-tidy-22 libclang-rt-22-dev llvm-22 strace
+  crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64)
+
+case ${1:-} in
+  run) wanted=("${run[@]}") ;;
+  quick) wanted=("${quick[@]}") ;;
+  test) wanted=("${test[@]}") ;;
+  *)
+    sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
+esac
+if [[ ${2:-} == --list ]]; then
+  printf '%s\n' "${wanted[@]}"
+  exit
+fi
+
+if ! command -v apt-get > /dev/null; then
+  echo "This is not Debian: install what corresponds to: ${wanted[*]}" >&2
+  exit 1
+fi
+
+native=$(dpkg --print-architecture)
+# installed NAME[:ARCHITECTURE]: a multiarch package has one line for each architecture.
+installed() {
+  local architecture=$native
+  [[ $1 != *:* ]] || architecture=${1##*:}
+  dpkg-query -W -f '${Architecture} ${db:Status-Status}\n' "${1%%:*}" 2> /dev/null |
+    grep -qxE "($architecture|all) installed"
+}
+
+missing=()
+for package in "${wanted[@]}"; do
+  installed "$package" || missing+=("$package")
+done
+((${#missing[@]})) || exit 0
+
+as_root=()
+if (($(id -u) != 0)); then
+  if ! command -v sudo > /dev/null || ! sudo -n true 2> /dev/null; then
+    echo "Packages are missing, and this is neither root nor may it use sudo without a password." >&2
+    echo "Install them once, as root: apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo -n)
+fi
+
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+apt() {
+  ${as_root[@]+"${as_root[@]}"} env DEBIAN_FRONTEND=noninteractive apt-get -q \
+    -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" < /dev/null >> "$log" 2>&1 || {
+    tail -n 25 "$log" >&2
+    echo "apt-get $1 failed; wanted: ${missing[*]}" >&2
+    exit 1
+  }
+}
+
+echo "installing ${#missing[@]} packages"
+if [[ " ${missing[*]} " == *:arm64* && $native != arm64 ]] &&
+  ! dpkg --print-foreign-architectures | grep -qx arm64; then
+  ${as_root[@]+"${as_root[@]}"} dpkg --add-architecture arm64
+fi
+apt update
+# Debian 12 has clang 22 in its security archive, which a debootstrap root does not list.
+if [[ " ${missing[*]} " == *-22* ]] && ! apt-cache show clang-22 > /dev/null 2>&1; then
+  codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
+  mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2> /dev/null |
+    grep -oE 'https?://[^ ]+/debian/?( |$)' | head -n 1 | sed -E 's| *$||; s|/$||') || true
+  line="deb ${mirror:-http://deb.debian.org/debian}-security $codename-security main"
+  echo "adding to the package sources: $line"
+  ${as_root[@]+"${as_root[@]}"} tee /etc/apt/sources.list.d/debian-security.list <<< "$line" > /dev/null
+  apt update
+fi
+apt install --yes --no-install-recommends "${missing[@]}"

@@ -1,0 +1,54 @@
+// The one virtual interface of the HAL: bytes to and from a robot, and the clock they go by. A real
+// port, a pseudo-terminal and the virtual Create in virtual time are all of this kind; nothing
+// above it asks which.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <system_error>
+
+#include "rt/clock.hpp"
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::hal {
+
+class ByteStream {
+ public:
+  ByteStream() = default;
+  ByteStream(const ByteStream&) = delete;
+  ByteStream& operator=(const ByteStream&) = delete;
+  virtual ~ByteStream() = default;
+
+  enum class Wait : std::uint8_t {
+    ready,      // at least the wake threshold can be read
+    timed_out,  // the deadline passed; fewer bytes than the threshold may be there
+    hung_up,    // the other side is gone, and stays gone
+  };
+  struct Transfer {
+    std::size_t count = 0;  // bytes moved; 0 with error 0 where nothing was there
+    int error = 0;          // errno, 0 where nothing failed
+  };
+
+  // For the control thread. None of these allocates or locks.
+  // Blocks until bytes are there or the deadline, on this stream's clock, has passed.
+  virtual Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING = 0;
+  // What has arrived, up to the size of `bytes`; does not block.
+  virtual Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING = 0;
+  // Queues all of `bytes` or, where the queue is full, the first of them; does not block.
+  virtual Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING = 0;
+  virtual rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING = 0;
+
+  // For set-up and shutdown; these may block and allocate.
+  virtual std::uint32_t baud() const = 0;
+  // After an error the former rate holds.
+  [[nodiscard]] virtual std::error_code set_baud(std::uint32_t baud) = 0;
+  // wait() reports ready when this many bytes are there (1 to 255): one wake-up a frame.
+  [[nodiscard]] virtual std::error_code set_wake_threshold(std::size_t bytes) = 0;
+  // Drops what has arrived and was not read.
+  virtual void discard_input() = 0;
+  // Blocks until all that was written has left, or `timeout` has passed (false).
+  [[nodiscard]] virtual bool drain(rt::Duration timeout) = 0;
+};
+
+}  // namespace cargobay::hal

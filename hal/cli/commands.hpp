@@ -1,0 +1,23 @@
+// The subcommands. Each adds itself to the command line and says how to run it.
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace cargobay::cli {
+
+// What was chosen on the command line; returns the exit code.
+using Action = std::function<int()>;
+
+void add_drive(CLI::App& app, Action& chosen);
+void add_budget(CLI::App& app, Action& chosen);
+void add_sensors(CLI::App& app, Action& chosen);
+void add_encode(CLI::App& app, Action& chosen);
+void add_decode(CLI::App& app, Action& chosen);
+void add_send(CLI::App& app, Action& chosen);
+void add_sim(CLI::App& app, Action& chosen);
+
+}  // namespace cargobay::cli

@@ -1,0 +1,158 @@
+// `cargobay decode`: what each byte means, of what the host sends and of what the robot sends.
+
+#include <algorithm>
+#include <memory>
+#include <span>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/packet_list.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/words.hpp"
+#include "oi/command_table.hpp"
+#include "oi/describe.hpp"
+#include "oi/limits.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct Options {
+  std::string from = "guess";
+  std::string packets;
+  std::string binary;
+  bool decimal = false;
+  bool text_only = false;
+};
+
+enum class Side : std::uint8_t { host, robot };
+
+Side guess(const Bytes& bytes) {
+  const bool command = oi::find_command(bytes[0]) != nullptr;
+  return command ? Side::host : Side::robot;
+}
+
+hal::Result<Bytes> bytes_of(const CLI::App& command, const Options& options) {
+  if (!options.binary.empty()) {
+    if (!command.remaining().empty())
+      return hal::Failure{"write the bytes, or name a file with --binary; not both"};
+    const auto raw = read_all(options.binary);
+    if (!raw) return raw.failure();
+    return Bytes(raw->begin(), raw->end());
+  }
+  const auto text = joined_words(command);
+  if (!text) return text.failure();
+  return read_bytes(*text, options.decimal ? Base::decimal : Base::hexadecimal);
+}
+
+// `  12  89 ff           what they mean`, over several lines where there are many bytes.
+void print_line(const oi::Annotation& annotation) {
+  constexpr std::size_t kOnLine = 6;
+  std::span<const std::uint8_t> bytes = annotation.bytes;
+  std::size_t offset = annotation.offset;
+  const std::string_view indent = annotation.in_script ? "  " : "";
+  const std::string_view mark = annotation.sound ? "" : "! ";
+  bool first = true;
+  do {
+    const auto shown = bytes.first(std::min(bytes.size(), kOnLine));
+    const std::string hex = fmt::format("{:02x}", fmt::join(shown, " "));
+    if (first) {
+      fmt::print("{:>5}  {:<18} {}{}{}\n", offset, hex, indent, mark, annotation.text);
+    } else {
+      fmt::print("{:>5}  {}\n", offset, hex);
+    }
+    first = false;
+    offset += shown.size();
+    bytes = bytes.subspan(shown.size());
+  } while (!bytes.empty());
+}
+
+int describe(const Options& options, const Bytes& bytes, Side side) {
+  const auto tell = [&options](const oi::Annotation& annotation) {
+    if (annotation.kind == oi::Annotation::Kind::command) {
+      fmt::print("{:>{}}{}\n", options.text_only ? "" : "= ", options.text_only ? 0 : 28,
+                 annotation.text);
+    } else if (!options.text_only) {
+      print_line(annotation);
+    } else if (!annotation.sound) {
+      print_remark(fmt::format("at byte {}: {}", annotation.offset, annotation.text));
+    }
+  };
+  oi::Described described;
+  if (!options.packets.empty()) {
+    const auto packets = read_packet_list(options.packets);
+    if (!packets) {
+      print_error(packets.failure().message);
+      return kFailure;
+    }
+    described = oi::describe_reply(*packets, bytes, tell);
+  } else {
+    described =
+        side == Side::host ? oi::describe_commands(bytes, tell) : oi::describe_stream(bytes, tell);
+  }
+  std::fflush(stdout);
+  if (described.unsound == 0) return kSuccess;
+  print_error(described.needed != 0
+                  ? fmt::format("the bytes end too early: needs {} more byte{}", described.needed,
+                                described.needed == 1 ? "" : "s")
+                  : "some of the bytes are not what the manual allows; they are marked with !");
+  return kFailure;
+}
+
+int decode(const CLI::App& command, const Options& options) {
+  const auto bytes = bytes_of(command, options);
+  if (!bytes) {
+    print_error(bytes.failure().message);
+    return kFailure;
+  }
+  if (bytes->empty()) {
+    print_error("there are no bytes to decode; write for example: cargobay decode 89 ff 38 01 f4");
+    return kFailure;
+  }
+  Side side = options.from == "robot" || options.from == "stream" ? Side::robot : Side::host;
+  if (options.from == "guess" && options.packets.empty()) {
+    side = guess(*bytes);
+    print_remark(side == Side::host ? "read as commands to the robot (--from host)"
+                                    : "read as bytes from the robot (--from robot)");
+  }
+  return describe(options, *bytes, side);
+}
+
+}  // namespace
+
+void add_decode(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "decode",
+      "Say what each byte means: of commands to the robot, of the robot's stream, or of a reply.\n"
+      "Exit code 1 where bytes are missing, wrong or unknown.");
+  take_words(*command, "[HEX...]",
+             "bytes in any usual spelling: 89 ff, 0x89, 89FF38. Without HEX, or for '-': standard "
+             "input.");
+  command
+      ->add_option("--from", options->from,
+                   "Who sends the bytes: host (or: command) or robot (or: stream); by default "
+                   "what the first byte looks like")
+      ->check(CLI::IsMember({"host", "command", "robot", "stream"}));
+  command->add_option("--packets", options->packets,
+                      "The bytes are the reply to Sensors or Query List for these packets");
+  command->add_flag("--decimal", options->decimal, "The bytes are written in decimal, 137 255");
+  command->add_option("--binary", options->binary,
+                      "The bytes themselves are in this file; - for standard input");
+  command->add_flag("--text", options->text_only, "Print the commands' text alone, for encode");
+  command->footer(
+      "Examples:\n"
+      "  cargobay decode 89 ff 38 01 f4\n"
+      "  cargobay decode --decimal 19 5 29 2 25 13 0 182\n"
+      "  cargobay decode --packets distance,angle 00 10 ff fe\n"
+      "  cargobay decode --from robot --binary log.bin");
+  command->callback([options, command, &chosen] {
+    chosen = [options, command] { return decode(*command, *options); };
+  });
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,304 @@
+// `cargobay drive`: the main job. Brings the robot up, closes the velocity loop for a while, and
+// reports.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/drive_log.hpp"
+#include "hal/cli/drive_report.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/profile.hpp"
+#include "hal/cli/signals.hpp"
+#include "hal/cli/sim_options.hpp"
+#include "hal/cli/velocity_plot.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/pty_transport.hpp"
+#include "hal/robot.hpp"
+#include "hal/sim/server.hpp"
+#include "oi/baud.hpp"
+#include "oi/limits.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr double kRefresh = 0.1;  // seconds between two status lines
+
+struct Options {
+  std::string port;
+  std::uint32_t baud = oi::kDefaultBaud;
+  std::string profile = "straight";
+  double speed_mm_s = 200.0;
+  double duration_s = 10.0;
+  bool open_loop = false;
+  bool full = false;
+  bool require_rt = false;
+  int priority = 80;
+  std::optional<int> cpu{};
+  std::string json_file;
+  std::string plot_file;
+  SimOptions sim{};
+};
+
+// What can be wrong with the values, found before anything moves.
+std::optional<hal::Failure> check(const Options& options) {
+  if (!(std::abs(options.speed_mm_s) <= oi::kMaxWheelSpeed)) {
+    return hal::Failure{
+        fmt::format("--speed {:g} is beyond the robot's -500 to 500 mm/s", options.speed_mm_s)};
+  }
+  const bool sensible = options.duration_s > 0.0 && options.duration_s <= 86400.0;  // false for NaN
+  if (!sensible) {
+    return hal::Failure{
+        fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
+  }
+  if (!oi::baud_code(options.baud).has_value()) {
+    return hal::Failure{fmt::format(
+        "the robot has no {} baud; choose 57600, 19200 or another rate of the Baud command",
+        options.baud)};
+  }
+  for (const std::string& file : {options.json_file, options.plot_file}) {
+    if (file.empty()) continue;
+    if (auto failure = check_writable(file)) return failure;
+  }
+  return std::nullopt;
+}
+
+// The control function: follows the profile, and asks the cycle to end when its time is over.
+struct Driver {
+  const Profile* profile;
+  double duration_s;
+  hal::ControlCycle* cycle;
+
+  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
+                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+    auto& self = *static_cast<Driver*>(context);
+    if (seconds >= self.duration_s) self.cycle->request_stop();
+    return self.profile->at(std::min(seconds, self.duration_s - 1e-6));  // not yet the next round
+  }
+};
+
+void print_status(const hal::CycleState& state, double duration_s) {
+  fmt::print(
+      "\r{:6.1f} / {:g} s   set {:4.0f} {:4.0f}   speed {:6.1f} {:6.1f}   command {:4.0f} {:4.0f} "
+      "mm/s   {:<8}",
+      static_cast<double>(state.tick) * 0.015, duration_s, state.set.left_mm_s,
+      state.set.right_mm_s, state.estimate.left_mm_s, state.estimate.right_mm_s,
+      state.command.left_mm_s, state.command.right_mm_s, oi::name(state.mode));
+  std::fflush(stdout);
+}
+
+// Collects what the loop and the virtual Create tell, until the drive ends.
+class Recorder {
+ public:
+  Recorder(hal::ControlCycle* cycle, hal::sim::Server* server) : cycle_{cycle}, server_{server} {}
+
+  void collect() {
+    hal::CycleState state;
+    while (cycle_->next_state(state)) states_.push_back(state);
+    if (server_ != nullptr) server_->take_truth(truth_);
+  }
+  const std::vector<hal::CycleState>& states() const { return states_; }
+  std::vector<DriveSample> samples() const { return join(states_, truth_); }
+
+ private:
+  hal::ControlCycle* cycle_;  // both outlive the recorder
+  hal::sim::Server* server_;
+  std::vector<hal::CycleState> states_;
+  std::vector<hal::sim::TruthSample> truth_;
+};
+
+// Returns the signal that ended the drive before its time.
+std::optional<int> follow(hal::Robot& robot, Recorder& recorder, StopSignals& signals,
+                          double duration_s) {
+  const bool live = stdout_is_terminal();
+  std::optional<int> signal;
+  while (!robot.ended() && !signal.has_value()) {
+    signal = signals.wait(
+        std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
+    recorder.collect();
+    if (live && !recorder.states().empty()) print_status(recorder.states().back(), duration_s);
+  }
+  if (live) fmt::print("\r\033[K");
+  return signal;
+}
+
+hal::RobotOptions robot_options(const Options& options) {
+  hal::RobotOptions robot;
+  robot.cycle.loop.feedback =
+      options.open_loop ? rt::WheelLoop::Feedback::open : rt::WheelLoop::Feedback::closed;
+  robot.cycle.drive_mode = options.full ? oi::Mode::full : oi::Mode::safe;
+  robot.realtime = {.priority = options.priority, .cpu = options.cpu};
+  robot.require_realtime = options.require_rt;
+  return robot;
+}
+
+std::string plot_title(const DriveReport& report, const Options& options) {
+  return fmt::format(
+      "{} at {:g} mm/s, {} loop, remainder {}: steady error {:.1f} / {:.1f} mm/s, tracking rms "
+      "{:.1f} / {:.1f} mm/s (left / right)",
+      options.profile, options.speed_mm_s, options.open_loop ? "open" : "closed",
+      name(report.remainder), report.figures.left.steady_error_mm_s,
+      report.figures.right.steady_error_mm_s, report.figures.left.tracking_rmse_mm_s,
+      report.figures.right.tracking_rmse_mm_s);
+}
+
+// Files, as far as they can be written.
+std::optional<hal::Failure> save(const DriveReport& report, const Options& options,
+                                 const std::vector<DriveSample>& samples) {
+  if (!options.json_file.empty()) {
+    if (auto failure = write_file(options.json_file, json(report))) return failure;
+  }
+  if (!options.plot_file.empty()) {
+    return write_file(options.plot_file, velocity_plot(samples, plot_title(report, options)));
+  }
+  return std::nullopt;
+}
+
+// What went wrong, the worst first; empty where nothing did.
+std::string complaint(const hal::Robot::Farewell& farewell,
+                      const std::optional<hal::Failure>& unsaved) {
+  if (farewell.end != hal::CycleEnd::asked) return hal::explain(farewell.end);
+  if (!farewell.confirmed_passive) {
+    return "the robot was told to stop and go Passive, but did not confirm; look at it, and press "
+           "its power button if it moves";
+  }
+  return unsaved.has_value() ? unsaved->message : "";
+}
+
+// Files, table, and the last word. Returns the exit code.
+int conclude(const DriveReport& report, const Options& options,
+             const std::vector<DriveSample>& samples, const hal::Robot::Farewell& farewell,
+             std::optional<int> signal) {
+  const std::optional<hal::Failure> unsaved = save(report, options, samples);
+  if (options.json_file != "-") fmt::print("{}", table(report));
+  const std::string wrong = complaint(farewell, unsaved);
+  if (!wrong.empty()) {
+    print_error(wrong);
+    return kFailure;
+  }
+  return signal.has_value() ? kSignalled + *signal : kSuccess;
+}
+
+hal::Result<std::unique_ptr<hal::sim::Server>> start_virtual_create(const Options& options) {
+  hal::sim::Parameters robot = parameters(options.sim);
+  robot.boot_baud = options.baud;
+  // Above ordinary work, below the loop: a wire does not wait for the CPU.
+  auto server = hal::sim::Server::open(robot, {.priority = options.priority - 10});
+  if (!server) return server;
+  if (const std::error_code error = (*server)->start(); error) {
+    return hal::Failure{"cannot start the virtual Create: " + error.message(), error};
+  }
+  return server;
+}
+
+int drive(const Options& options) {
+  StopSignals signals;
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  if (const auto failure = check(options)) return fail(*failure);
+  const auto profile = Profile::load(options.profile, options.speed_mm_s);
+  if (!profile) return fail(profile.failure());
+
+  std::unique_ptr<hal::sim::Server> server;  // outlives the robot
+  std::string port = options.port;
+  if (port.empty()) {
+    auto started = start_virtual_create(options);
+    if (!started) return fail(started.failure());
+    server = std::move(*started);
+    port = server->path();
+  }
+  auto stream = hal::open_pty(port, options.baud);
+  if (!stream) return fail(stream.failure());
+  if (server != nullptr && options.json_file != "-")
+    fmt::print("Driving a virtual Create on {}\n", port);
+
+  auto opened = hal::Robot::open(std::move(*stream), robot_options(options));
+  if (!opened) return fail(opened.failure());
+  hal::Robot& robot = **opened;
+  if (const auto signal = signals.wait(rt::Duration::zero())) {  // that came meanwhile
+    (void)robot.stop();                                          // it stands already
+    return kSignalled + *signal;
+  }
+  Driver driver{&*profile, options.duration_s, &robot.cycle()};
+  const auto grant = robot.start({.function = &Driver::control, .context = &driver});
+  if (!grant) return fail(grant.failure());
+
+  Recorder recorder{&robot.cycle(), server.get()};
+  const std::optional<int> signal = follow(robot, recorder, signals, options.duration_s);
+  const hal::Robot::Farewell farewell = robot.stop();
+  recorder.collect();
+
+  const std::vector<DriveSample> samples = recorder.samples();
+  const hal::CycleState last =
+      recorder.states().empty() ? hal::CycleState{} : recorder.states().back();
+  const DriveReport report{.port = port,
+                           .robot = server != nullptr ? "virtual Create" : "robot",
+                           .baud = options.baud,
+                           .open_loop = options.open_loop,
+                           .remainder = last.remainder,
+                           .grant = *grant,
+                           .ticks = last.tick,
+                           .frames = robot.cycle().frames(),
+                           .figures = figures(samples),
+                           .period_ns = &robot.cycle().period_ns(),
+                           .frame_to_command_ns = &robot.cycle().frame_to_command_ns()};
+  return conclude(report, options, samples, farewell, signal);
+}
+
+}  // namespace
+
+void add_drive(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "drive",
+      "Close the wheel-velocity loop on a robot and report how well it held.\n"
+      "Without --port, drives a virtual Create of its own over a pseudo-terminal.");
+  command->add_option("--port", options->port,
+                      "Serial port of the robot, or the pseudo-terminal of `cargobay sim`");
+  command->add_option("--baud", options->baud, "Baud rate the robot is set to")
+      ->capture_default_str();
+  command
+      ->add_option("--profile", options->profile,
+                   "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
+                   "RIGHT_MM_S, repeated until the end")
+      ->capture_default_str();
+  command
+      ->add_option("--speed", options->speed_mm_s,
+                   "Wheel speed of the named profiles in mm/s, -500 to 500")
+      ->capture_default_str();
+  command->add_option("--duration", options->duration_s, "Seconds to drive")->capture_default_str();
+  command->add_flag("--open-loop", options->open_loop,
+                    "Send the set speeds as they are, to see what the loop is good for");
+  command->add_flag(
+      "--full", options->full,
+      "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
+  command->add_option("--json", options->json_file,
+                      "Write the results to this file; - for standard output");
+  command->add_option("--plot", options->plot_file,
+                      "Draw set, true, estimated and commanded speed to this SVG file");
+  command->add_flag("--require-rt", options->require_rt,
+                    "Fail if SCHED_FIFO or locked memory is refused");
+  command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop")
+      ->check(CLI::Range(11, 98))
+      ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "Pin the loop to this CPU");
+  add_sim_options(*command, options->sim);
+  command->footer(
+      "Examples:\n"
+      "  cargobay drive\n"
+      "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
+      "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300");
+  command->callback([options, &chosen] { chosen = [options] { return drive(*options); }; });
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,31 @@
+// The result of a drive, as a table for people and as JSON for programs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hal/cli/drive_log.hpp"
+#include "hal/control_cycle.hpp"
+#include "rt/realtime.hpp"
+
+namespace cargobay::cli {
+
+struct DriveReport {
+  std::string port;
+  std::string robot;  // what it is
+  std::uint32_t baud = 0;
+  bool open_loop = false;
+  rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
+  rt::RealtimeGrant grant{};
+  std::int64_t ticks = 0;
+  hal::FrameCounters frames{};
+  DriveFigures figures{};
+  const rt::Histogram* period_ns = nullptr;            // borrowed
+  const rt::Histogram* frame_to_command_ns = nullptr;  // borrowed
+};
+
+std::string name(rt::RemainderBelief belief);
+std::string table(const DriveReport& report);
+std::string json(const DriveReport& report);
+
+}  // namespace cargobay::cli

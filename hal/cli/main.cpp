@@ -1,0 +1,52 @@
+// The command `cargobay`.
+
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/print.hpp"
+
+namespace {
+
+int run(int argc, char** argv) {
+  namespace cli = cargobay::cli;
+  CLI::App app{
+      "Cargobay: real-time control of the iRobot Create, and a virtual Create to try it on.",
+      "cargobay"};
+  app.set_version_flag("--version", "cargobay " CARGOBAY_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "`cargobay COMMAND --help` tells of each command. Without a robot, start with: cargobay "
+      "drive");
+  cli::Action chosen;
+  cli::add_drive(app, chosen);
+  cli::add_sim(app, chosen);
+  cli::add_sensors(app, chosen);
+  cli::add_budget(app, chosen);
+  cli::add_send(app, chosen);
+  cli::add_encode(app, chosen);
+  cli::add_decode(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wish) {  // --help, --version
+    return app.exit(wish);
+  } catch (const CLI::ParseError& error) {
+    cli::print_error(std::string{error.what()} + "; see: cargobay --help");
+    return cli::kUsageError;
+  }
+  return chosen();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    cargobay::cli::print_error(error.what());
+    return cargobay::cli::kFailure;
+  }
+}

@@ -1,0 +1,335 @@
+// `cargobay send`: commands to a robot by hand, and what it answers.
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/conversation.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/send_plan.hpp"
+#include "hal/cli/sensor_format.hpp"
+#include "hal/cli/signals.hpp"
+#include "hal/cli/words.hpp"
+#include "hal/pty_transport.hpp"
+#include "oi/baud.hpp"
+#include "oi/command_text.hpp"
+#include "oi/encode.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct Options {
+  std::string port;
+  std::uint32_t baud = oi::kDefaultBaud;
+  double listen_s = 1.0;
+  std::optional<double> duration_s{};
+  bool leave_running = false;
+};
+
+constexpr milliseconds kModeChangeWait{50};
+constexpr milliseconds kFirstLook{40};  // whether a stream is under way already
+
+rt::Duration seconds(double count) {
+  return std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{count});
+}
+
+hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
+  return {
+      fmt::format("the robot does not answer at {} baud; is it switched on and connected, and "
+                  "is this its baud rate?{}",
+                  baud, begins_with_start ? "" : " If it is off, begin with: start")};
+}
+
+// One run of the command: a robot, and what it is told in order.
+class Sending {
+ public:
+  Sending(hal::ByteStream& port, StopSignals& signals, const Options& options)
+      : port_{port}, options_{options}, talk_{port, signals} {}
+
+  // Returns the failure that ended it, after everything that has to follow one.
+  std::optional<hal::Failure> run(const std::vector<PlannedCommand>& commands) {
+    std::optional<hal::Failure> failure = send_all(commands);
+    if (!failure) watch();
+    if (const auto not_stopped = stop(); not_stopped && !failure) failure = not_stopped;
+    pause_stream();
+    talk_.end_text();
+    if (!failure && talk_.hung_up()) failure = hung_up();
+    if (port_.baud() != options_.baud && !failure) {
+      print_remark(
+          fmt::format("the robot now runs at {0} baud; next time: --baud {0}", port_.baud()));
+    }
+    return failure;
+  }
+  std::optional<int> signal() const { return talk_.signal(); }
+
+ private:
+  static hal::Failure hung_up() { return {"the port hung up; plug it in and start again"}; }
+
+  // Empty where the robot does not say.
+  std::optional<oi::Mode> ask_mode() {
+    const auto request = oi::encode(oi::Sensors{oi::PacketId::oi_mode});
+    const std::vector<std::uint8_t> reply = talk_.ask(*request, 1);
+    if (reply.size() != 1 || reply[0] > static_cast<std::uint8_t>(oi::Mode::full))
+      return std::nullopt;
+    return oi::Mode{reply[0]};
+  }
+
+  std::optional<hal::Failure> send_all(const std::vector<PlannedCommand>& commands) {
+    if (!talk_.listen(kFirstLook)) return hung_up();
+    talk_.set_streaming(talk_.frames() > 0);
+    // Off hears nothing but Start, so that is the one command that may go unasked.
+    const bool starts = std::holds_alternative<oi::Start>(commands.front().command);
+    if (!starts) {
+      const std::optional<oi::Mode> mode = ask_mode();
+      if (talk_.signal()) return std::nullopt;
+      if (!mode) return no_answer(port_.baud(), false);
+      robot_ = Expectation{*mode, port_.baud()};
+    }
+    if (auto refused = objection(commands, robot_.mode(), port_.baud())) return refused;
+    for (const PlannedCommand& command : commands) {
+      if (talk_.signal()) break;
+      if (auto failure = send(command)) return failure;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<hal::Failure> send(const PlannedCommand& command) {
+    robot_.take(command);  // before it goes: what may have been heard counts
+    return std::visit([&](const auto& one) { return send(command, one); }, command.command);
+  }
+
+  // Without a reply.
+  template <typename Command>
+  std::optional<hal::Failure> send(const PlannedCommand& command, const Command&) {
+    if (!talk_.send(command.bytes)) return not_sent();
+    if (command.info->change == oi::ModeChange::none) {
+      return talk_.listen(rt::Duration::zero()) ? std::nullopt : std::optional{hung_up()};
+    }
+    if (!talk_.listen(kModeChangeWait)) return hung_up();
+    return robot_.motion() == Motion::script ? std::nullopt : check_mode(command);
+  }
+  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Sensors& request) {
+    return query(command, {request.packet});
+  }
+  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::QueryList& request) {
+    return query(command, {request.packets.begin(), request.packets.end()});
+  }
+  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Stream& request) {
+    if (!talk_.send(command.bytes)) return not_sent();
+    begin_stream(!request.packets.empty());
+    return std::nullopt;
+  }
+  std::optional<hal::Failure> send(const PlannedCommand& command,
+                                   const oi::PauseResumeStream& request) {
+    if (!talk_.send(command.bytes)) return not_sent();
+    begin_stream(request.state == oi::StreamState::resume);
+    return std::nullopt;
+  }
+  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Baud& request) {
+    if (!talk_.send(command.bytes)) return not_sent();
+    const std::uint32_t baud = oi::kBaudRates[request.code];
+    if (talk_.change_baud(baud)) return std::nullopt;
+    return hal::Failure{
+        fmt::format("the port does not run at {} baud, but the robot does now; "
+                    "switch it off and on again",
+                    baud)};
+  }
+  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::ShowScript&) {
+    std::vector<std::uint8_t> reply = talk_.ask(command.bytes, 1);
+    if (reply.size() != 1) return unanswered();
+    talk_.set_streaming(false);  // Show Script halts it (OI p. 15)
+    const std::vector<std::uint8_t> body = talk_.more_reply(reply[0]);
+    if (body.size() != reply[0]) return unanswered();
+    reply.insert(reply.begin(), oi::Script::kOpcode);
+    reply.insert(reply.end(), body.begin(), body.end());
+    std::array<char, oi::kMaxCommandText> text{};
+    const std::size_t size = oi::format_command(reply, text);
+    fmt::print("{}\n", size != 0 ? std::string_view{text.data(), size}
+                                 : std::string_view{"the reply is no script"});
+    return std::nullopt;
+  }
+
+  std::optional<hal::Failure> query(const PlannedCommand& command,
+                                    const std::vector<oi::PacketId>& packets) {
+    std::size_t size = 0;
+    for (const oi::PacketId packet : packets) size += oi::packet(packet).size;
+    const std::vector<std::uint8_t> reply = talk_.ask(command.bytes, size);
+    if (reply.size() != size) return unanswered();
+    std::span<const std::uint8_t> rest{reply};
+    for (const oi::PacketId packet : packets) {
+      oi::SensorValues values;
+      const std::size_t bytes = oi::packet(packet).size;
+      // Known and whole.
+      (void)oi::decode_packet(static_cast<std::uint8_t>(packet), rest.first(bytes), values);
+      fmt::print("{}", lines({packet}, values));
+      rest = rest.subspan(bytes);
+    }
+    std::fflush(stdout);
+    return std::nullopt;
+  }
+
+  // After a change of mode: whether the robot is in it.
+  std::optional<hal::Failure> check_mode(const PlannedCommand& command) {
+    const std::optional<oi::Mode> mode = ask_mode();
+    if (talk_.signal()) return std::nullopt;
+    if (!mode) return no_answer(port_.baud(), true);
+    if (*mode == robot_.mode()) return std::nullopt;
+    return hal::Failure{
+        fmt::format("the robot is in {} mode after {} instead of {}; set it on its "
+                    "wheels, away from edges, and unplug the charger",
+                    oi::name(*mode), command.info->key, oi::name(robot_.mode()))};
+  }
+
+  std::optional<hal::Failure> unanswered() {
+    if (talk_.signal()) return std::nullopt;
+    if (talk_.hung_up()) return hung_up();
+    return no_answer(port_.baud(), true);
+  }
+  std::optional<hal::Failure> not_sent() const {
+    return hal::Failure{
+        fmt::format("the port takes no more bytes at {} baud; check the cable, and "
+                    "that the robot's end is running",
+                    port_.baud())};
+  }
+  void begin_stream(bool streaming) {
+    talk_.set_streaming(streaming);
+    if (!streaming) return;
+    talk_.show_frames();
+    begun_stream_ = true;
+  }
+
+  // Frames for a while, and as long as the wheels may turn.
+  void watch() {
+    const bool holds = robot_.motion() != Motion::none && !options_.leave_running;
+    rt::Duration duration =
+        talk_.streaming() && begun_stream_ ? seconds(options_.listen_s) : rt::Duration::zero();
+    if (holds && !options_.duration_s) {
+      duration = std::chrono::hours{24 * 365};
+      if (!talk_.signal()) print_remark("the wheels may be turning; Ctrl-C stops them");
+    } else if (holds) {
+      duration = std::max(duration, seconds(*options_.duration_s));
+    }
+    const rt::TimePoint begin = port_.now();
+    (void)talk_.listen(duration);
+    if (begun_stream_ && talk_.streaming() && talk_.frames() == 0 &&
+        port_.now() - begin > milliseconds{200}) {
+      print_remark("no frames came");
+    }
+  }
+
+  // Whatever happened before: the wheels are not left turning.
+  std::optional<hal::Failure> stop() {
+    if (robot_.motion() == Motion::none || talk_.hung_up()) return std::nullopt;
+    if (options_.leave_running) {
+      print_remark("the wheels may be turning still, as asked for by --leave-running");
+      return std::nullopt;
+    }
+    talk_.ignore_signals();
+    tell_stop();
+    if (!ask_mode()) {
+      return hal::Failure{
+          "told the wheels to stop, but the robot does not answer; if it waits in a script it is "
+          "deaf until that is over: press its power button if it moves"};
+    }
+    print_remark("stopped the wheels");
+    return std::nullopt;
+  }
+
+  void tell_stop() {
+    const auto tell = [this](const auto& command) {
+      (void)talk_.send(*oi::encode(command));  // what was not heard shows as no answer
+      (void)talk_.listen(kModeChangeWait);
+    };
+    const bool passive = robot_.mode() == oi::Mode::passive;
+    if (robot_.motion() == Motion::demo && passive) return tell(oi::Demo{oi::DemoNumber::abort});
+    if (passive) tell(oi::Safe{});  // Passive obeys no DriveDirect
+    tell(oi::DriveDirect{});
+    if (passive) tell(oi::Start{});
+  }
+
+  void pause_stream() {
+    if (!begun_stream_ || !talk_.streaming() || options_.leave_running || talk_.hung_up()) return;
+    // One that does not hear it is silent anyway.
+    (void)talk_.send(*oi::encode(oi::PauseResumeStream{oi::StreamState::pause}));
+    (void)port_.drain(milliseconds{100});
+  }
+
+  hal::ByteStream& port_;
+  const Options& options_;
+  Conversation talk_;
+  Expectation robot_{oi::Mode::off, port_.baud()};
+  bool begun_stream_ = false;
+};
+
+int send(const CLI::App& command, const Options& options) {
+  StopSignals signals;
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  const auto text = joined_words(command);
+  if (!text) return fail(text.failure());
+  const auto bytes = encode_or_explain(*text);
+  if (!bytes) return kFailure;
+  const std::vector<PlannedCommand> commands = divide(*bytes);
+  if (!oi::baud_code(options.baud).has_value()) {
+    return fail({fmt::format("the robot has no {} baud; choose from {}", options.baud,
+                             fmt::join(oi::kBaudRates, ", "))});
+  }
+  if (const auto refused = objection(commands, std::nullopt, options.baud)) return fail(*refused);
+  auto port = hal::open_pty(options.port, options.baud);
+  if (!port) return fail(port.failure());
+  Sending sending{**port, signals, options};
+  if (const auto failure = sending.run(commands)) return fail(*failure);
+  return sending.signal() ? kSignalled + *sending.signal() : kSuccess;
+}
+
+}  // namespace
+
+void add_send(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "send",
+      "Send Open Interface commands to a robot and print what it answers: sensor values, stored\n"
+      "script, stream frames, text. Where they set the wheels turning it stays until Ctrl-C, then "
+      "stops them.");
+  take_words(*command, "TEXT...",
+             "commands as for `cargobay encode`. Without TEXT, or for '-': standard input.");
+  command
+      ->add_option("--port", options->port,
+                   "Serial port of the robot, or the pseudo-terminal of `cargobay sim`")
+      ->required();
+  command->add_option("--baud", options->baud, "Baud rate the robot is set to")
+      ->capture_default_str();
+  command
+      ->add_option("--listen", options->listen_s,
+                   "Seconds for which the frames of a stream are printed")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--duration", options->duration_s,
+                   "Stop the wheels after so many seconds instead of at Ctrl-C")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_flag("--leave-running", options->leave_running,
+                    "End at once and leave wheels and stream as they are");
+  command->footer(
+      "Examples:\n"
+      "  cargobay send --port /dev/ttyUSB0 'start; sensors oi_mode'\n"
+      "  cargobay send --port /dev/ttyUSB0 --duration 2 'start; safe; drive 200 straight'\n"
+      "  cargobay send --port /dev/ttyUSB0 --listen 5 'stream distance angle'");
+  command->callback([options, command, &chosen] {
+    chosen = [options, command] { return send(*command, *options); };
+  });
+}
+
+}  // namespace cargobay::cli

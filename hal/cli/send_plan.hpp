@@ -1,0 +1,53 @@
+// What a row of commands will do, as far as it can be known before a byte is sent.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hal/result.hpp"
+#include "oi/command_table.hpp"
+#include "oi/parse.hpp"
+
+namespace cargobay::cli {
+
+struct PlannedCommand {
+  const oi::CommandInfo* info = nullptr;
+  std::vector<std::uint8_t> bytes{};
+  oi::Command command{};
+};
+
+// The bytes of encode_or_explain(), divided.
+std::vector<PlannedCommand> divide(std::span<const std::uint8_t> bytes);
+
+// What may be turning the wheels.
+enum class Motion : std::uint8_t { none, drive, demo, script };
+
+// Mode, motion and stream of a robot that obeys every command told of.
+class Expectation {
+ public:
+  explicit Expectation(oi::Mode mode, std::uint32_t baud) : mode_{mode}, baud_{baud} {}
+
+  void take(const PlannedCommand& command);
+
+  oi::Mode mode() const { return mode_; }
+  std::uint32_t baud() const { return baud_; }
+  Motion motion() const { return motion_; }
+
+ private:
+  void play_script();
+
+  oi::Mode mode_;
+  std::uint32_t baud_;
+  Motion motion_ = Motion::none;
+  std::optional<oi::Script> script_{};  // nothing where it was stored by somebody else
+};
+
+// Why these commands must not be sent to a robot in this mode, at this rate; nothing where they
+// may. Without a mode: what holds in any.
+std::optional<hal::Failure> objection(const std::vector<PlannedCommand>& commands,
+                                      std::optional<oi::Mode> mode, std::uint32_t baud);
+
+}  // namespace cargobay::cli

@@ -1,0 +1,119 @@
+// `cargobay sensors`: what the robot's sensors say, named and with units.
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/packet_list.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/sensor_format.hpp"
+#include "hal/cli/signals.hpp"
+#include "hal/pty_transport.hpp"
+#include "hal/sensor_stream.hpp"
+#include "oi/baud.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+struct Options {
+  std::string port;
+  std::uint32_t baud = oi::kDefaultBaud;
+  std::string packets = "6";
+  bool as_json = false;
+  bool once = false;
+};
+
+constexpr rt::Duration kRefresh = std::chrono::milliseconds{200};
+
+void show(const Options& options, const std::vector<oi::PacketId>& packets,
+          const oi::SensorValues& values) {
+  if (options.as_json) {
+    fmt::print("{}\n", json_line(packets, values));
+  } else {
+    fmt::print("{}", lines(packets, values));
+  }
+  std::fflush(stdout);
+}
+
+// Frames as they come, until a signal. The table is redrawn at a rate that eyes can follow.
+int watch(const Options& options, const std::vector<oi::PacketId>& packets,
+          hal::SensorStream& stream, StopSignals& signals) {
+  rt::TimePoint next_draw{};
+  while (!signals.wait(rt::Duration::zero()).has_value()) {
+    const auto values = stream.next();
+    if (!values) {
+      print_error(values.failure().message);
+      return kFailure;
+    }
+    if (!options.as_json) {
+      const rt::TimePoint now = rt::Clock::now();
+      if (now < next_draw) continue;
+      next_draw = now + kRefresh;
+      fmt::print("\033[H\033[J");
+    }
+    show(options, packets, *values);
+    if (options.once) break;
+  }
+  return kSuccess;
+}
+
+int sensors(const Options& options) {
+  StopSignals signals;
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  const auto packets = read_packet_list(options.packets);
+  if (!packets) return fail(packets.failure());
+  if (!oi::baud_code(options.baud).has_value()) {
+    return fail({fmt::format("the robot has no {} baud; choose from {}", options.baud,
+                             fmt::join(oi::kBaudRates, ", "))});
+  }
+  auto port = hal::open_pty(options.port, options.baud);
+  if (!port) return fail(port.failure());
+  // A live table needs a terminal; elsewhere one reading is what makes sense.
+  if (options.once || (!options.as_json && !stdout_is_terminal())) {
+    const auto values = hal::query_sensors(**port, *packets);
+    if (!values) return fail(values.failure());
+    show(options, *packets, *values);
+    return kSuccess;
+  }
+  auto stream = hal::SensorStream::open(**port, *packets);
+  if (!stream) return fail(stream.failure());
+  return watch(options, *packets, **stream, signals);
+}
+
+}  // namespace
+
+void add_sensors(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "sensors",
+      "Show the robot's sensors, named and with units: a live table on a terminal, else one "
+      "reading.\n"
+      "A robot that is off is started, and stays in Passive; one that runs keeps its mode.");
+  command
+      ->add_option("--port", options->port,
+                   "Serial port of the robot, or the pseudo-terminal of `cargobay sim`")
+      ->required();
+  command->add_option("--baud", options->baud, "Baud rate the robot is set to")
+      ->capture_default_str();
+  command
+      ->add_option("--packets", options->packets,
+                   "Packets by number or name, with commas between; 6 is all")
+      ->capture_default_str();
+  command->add_flag("--json", options->as_json, "One JSON object a frame, every 15 ms");
+  command->add_flag("--once", options->once, "One reading, then end");
+  command->footer(
+      "Examples:\n"
+      "  cargobay sensors --port /dev/ttyUSB0\n"
+      "  cargobay sensors --port /tmp/create --packets distance,angle,oi_mode --json");
+  command->callback([options, &chosen] { chosen = [options] { return sensors(*options); }; });
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,25 @@
+#include "hal/cli/signals.hpp"
+
+#include <ctime>
+
+namespace cargobay::cli {
+
+StopSignals::StopSignals() {
+  sigemptyset(&signals_);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&signals_, signal);
+  // Under nohup the terminal may go away; blocked, its signal would be waited for all the same.
+  struct sigaction hang_up{};
+  if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler == SIG_IGN)
+    sigdelset(&signals_, SIGHUP);
+  pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+}
+
+std::optional<int> StopSignals::wait(rt::Duration timeout) {
+  const timespec limit{.tv_sec = static_cast<time_t>(timeout.count() / 1'000'000'000),
+                       .tv_nsec = static_cast<long>(timeout.count() % 1'000'000'000)};
+  const int signal = sigtimedwait(&signals_, nullptr, &limit);
+  if (signal < 0) return std::nullopt;
+  return signal;
+}
+
+}  // namespace cargobay::cli

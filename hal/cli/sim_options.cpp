@@ -1,0 +1,62 @@
+#include "hal/cli/sim_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace cargobay::cli {
+
+void add_sim_options(CLI::App& app, SimOptions& options) {
+  const std::string group = "Virtual Create";
+  hal::sim::WheelParameters& wheels = options.parameters.wheels;
+  app.add_option("--remainder", options.remainder,
+                 "What a reading of distance and angle does to the part below 1 mm or 1 degree")
+      ->check(CLI::IsMember({"carried", "lost"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--checksum", options.checksum,
+                 "Whether the checksum of stream frames counts the header 19 in: real robots "
+                 "include it, the manual excludes it")
+      ->check(CLI::IsMember({"including", "excluding"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--seed", options.parameters.seed, "Of all that is random in it")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--lag", wheels.lag_s, "Seconds in which a wheel comes within 37 % of a new speed")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--droop-left", wheels.droop_left,
+                 "Part of its set speed the left wheel falls short by")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--droop-right", wheels.droop_right, "The same for the right wheel")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--dead-band", wheels.dead_band_mm_s,
+                 "Set speeds below this, in mm/s, do not turn a wheel")
+      ->check(CLI::Range(0.0, 500.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--counts-per-mm", wheels.counts_per_mm, "Resolution of the encoders")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--noise", wheels.noise_mm_s,
+                 "Standard deviation in mm/s by which a wheel's speed wanders")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str()
+      ->group(group);
+}
+
+hal::sim::Parameters parameters(const SimOptions& options) {
+  hal::sim::Parameters parameters = options.parameters;
+  parameters.remainder =
+      options.remainder == "lost" ? hal::sim::Remainder::lost : hal::sim::Remainder::carried;
+  parameters.checksum = options.checksum == "excluding" ? oi::Checksum::excluding_header
+                                                        : oi::Checksum::including_header;
+  return parameters;
+}
+
+}  // namespace cargobay::cli

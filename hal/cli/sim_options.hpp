@@ -1,0 +1,26 @@
+// The options that say what kind of robot the virtual Create is.
+#pragma once
+
+#include <string>
+
+#include "hal/result.hpp"
+#include "hal/sim/parameters.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cargobay::cli {
+
+struct SimOptions {
+  std::string remainder = "carried";
+  std::string checksum = "including";
+  hal::sim::Parameters parameters{};
+};
+
+// `options` outlives the parsing.
+void add_sim_options(CLI::App& app, SimOptions& options);
+// After the parsing.
+hal::sim::Parameters parameters(const SimOptions& options);
+
+}  // namespace cargobay::cli

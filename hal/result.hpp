@@ -1,0 +1,47 @@
+// What a step of the set-up returns: a value, or a failure that a person can act on.
+#pragma once
+
+#include <cassert>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+namespace cargobay::hal {
+
+// One line: what failed, and what to do about it.
+struct Failure {
+  std::string message;
+  std::error_code code{};  // the system's, where there is one
+};
+
+template <typename T>
+class [[nodiscard]] Result {
+ public:
+  // Implicit, for `return value;` and `return Failure{...};`.
+  // NOLINTBEGIN(google-explicit-constructor): implicit on purpose, as said above
+  Result(T value) : content_{std::move(value)} {}
+  Result(Failure failure) : content_{std::move(failure)} {}
+  // NOLINTEND(google-explicit-constructor)
+
+  explicit operator bool() const { return content_.index() == 0; }
+  T& operator*() {
+    assert(*this);
+    return std::get<0>(content_);
+  }
+  const T& operator*() const {
+    assert(*this);
+    return std::get<0>(content_);
+  }
+  T* operator->() { return &**this; }
+  const T* operator->() const { return &**this; }
+  const Failure& failure() const {
+    assert(!*this);
+    return std::get<1>(content_);
+  }
+
+ private:
+  std::variant<T, Failure> content_;
+};
+
+}  // namespace cargobay::hal

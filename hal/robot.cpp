@@ -1,0 +1,95 @@
+#include "hal/robot.hpp"
+
+#include <utility>
+
+#include "oi/stream_budget.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+// From the robot's tick to the arrival of the command that answers its frame: both on the wire, and
+// a little for the software.
+double input_delay_s(std::uint32_t baud) {
+  constexpr rt::Duration kSoftware = std::chrono::microseconds{200};
+  return rt::seconds(oi::wire_time(kFrameBytes, baud) + oi::wire_time(oi::kDriveDirectBytes, baud) +
+                     kSoftware);
+}
+
+Failure refused(const rt::RealtimeGrant& grant) {
+  std::string message = "real-time rights are required but";
+  for (const rt::Refusal& refusal : grant.refusals) message += " " + rt::explain(refusal) + ";";
+  message += " or leave out --require-rt";
+  return {std::move(message)};
+}
+
+}  // namespace
+
+Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
+             const BringUpReport& report)
+    : stream_{std::move(stream)}, options_{options}, report_{report} {
+  options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
+  cycle_ = std::make_unique<ControlCycle>(*stream_, options_.cycle);
+}
+
+Robot::~Robot() { (void)stop(); }
+
+Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
+                                           const RobotOptions& options) {
+  const auto report = bring_up(
+      *stream,
+      {.mode = options.cycle.drive_mode, .packets = kReadingList, .progress = options.progress});
+  if (!report) return report.failure();
+  std::unique_ptr<Robot> robot{new Robot{std::move(stream), options, *report}};
+  if (const std::error_code error = robot->stream_->set_wake_threshold(kFrameBytes); error) {
+    return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
+  }
+  return robot;
+}
+
+Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
+  cycle_->set_control(control);
+  // The thread waits for the verdict: without the rights required the robot never moves.
+  rt::RealtimeGrant grant = thread_.start(options_.realtime, [this] {
+    verdict_.wait(Verdict::pending, std::memory_order_acquire);
+    if (verdict_.load(std::memory_order_acquire) == Verdict::run) farewell_.end = cycle_->run();
+    ended_.store(true, std::memory_order_release);
+  });
+  if (!thread_.running()) {
+    return Failure{"cannot start the control thread: " + rt::explain(grant.refusals.back())};
+  }
+  const bool refuse = options_.require_realtime && !grant.complete();
+  verdict_.store(refuse ? Verdict::refused : Verdict::run, std::memory_order_release);
+  verdict_.notify_one();
+  if (refuse) {
+    (void)stop();  // the refusal is what matters
+    return refused(grant);
+  }
+  return grant;
+}
+
+Robot::Farewell Robot::stop() {
+  if (std::exchange(left_, true)) return farewell_;
+  cycle_->request_stop();
+  thread_.join();
+  (void)stream_->set_wake_threshold(
+      1);  // leave() reads single bytes; where this fails it times out
+  if (farewell_.end != CycleEnd::hung_up) farewell_.confirmed_passive = leave(*stream_);
+  return farewell_;
+}
+
+std::string explain(CycleEnd end) {
+  switch (end) {
+    case CycleEnd::asked: return "";
+    case CycleEnd::link_lost:
+      return "the robot fell silent; check the cable and the battery, then start again";
+    case CycleEnd::mode_lost:
+      return "the robot left its mode and stopped: a cliff, a raised wheel, the charger or its "
+             "power "
+             "button; set it on its wheels, unplug the charger, then start again";
+    case CycleEnd::hung_up:
+      return "the port hung up: unplugged, or the virtual Create ended; plug it in and start again";
+  }
+  return "";
+}
+
+}  // namespace cargobay::hal

@@ -1,0 +1,69 @@
+// A Create under control: brought up, driven by the real-time thread, and left standing in Passive.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "hal/bring_up.hpp"
+#include "hal/byte_stream.hpp"
+#include "hal/control_cycle.hpp"
+#include "hal/result.hpp"
+#include "rt/realtime.hpp"
+
+namespace cargobay::hal {
+
+struct RobotOptions {
+  ControlCycle::Parameters cycle{};
+  rt::RealtimeRequest realtime{};
+  bool require_realtime = false;  // what the kernel refuses is a failure, not a remark
+  std::function<void(std::string_view step)> progress{};  // of the bring-up
+};
+
+// All functions from one thread, except where the ControlCycle says otherwise.
+class Robot {
+ public:
+  // Brings the robot up; blocks for up to 4 s. After a failure it was told to stop and go Passive,
+  // and the stream is closed.
+  static Result<std::unique_ptr<Robot>> open(std::unique_ptr<ByteStream> stream,
+                                             const RobotOptions& options);
+  // Stops, if stop() was not called.
+  ~Robot();
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
+
+  // Starts the real-time thread, once. A failure leaves the robot standing.
+  Result<rt::RealtimeGrant> start(const ControlFunction& control);
+  // The running cycle: state, setpoints, request_stop().
+  ControlCycle& cycle() { return *cycle_; }
+  const BringUpReport& bring_up_report() const { return report_; }
+
+  struct Farewell {
+    CycleEnd end = CycleEnd::asked;
+    bool confirmed_passive = false;  // the robot itself said so
+  };
+  // Ends the cycle and its thread, stops the wheels, goes Passive. Blocks for up to 1 s.
+  Farewell stop();
+  // Whether the cycle has ended, by itself or when asked.
+  bool ended() const { return ended_.load(std::memory_order_acquire); }
+
+ private:
+  Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
+        const BringUpReport& report);
+
+  std::unique_ptr<ByteStream> stream_;  // outlives cycle_
+  RobotOptions options_;
+  BringUpReport report_;
+  std::unique_ptr<ControlCycle> cycle_;
+  rt::RealtimeThread thread_;
+  enum class Verdict : std::uint8_t { pending, run, refused };
+  std::atomic<Verdict> verdict_{Verdict::pending};  // on what the kernel granted
+  std::atomic<bool> ended_{false};
+  bool left_ = false;
+  Farewell farewell_{};
+};
+
+// One line: why the cycle ended, and what to do. Empty where it was asked to.
+std::string explain(CycleEnd end);
+
+}  // namespace cargobay::hal

@@ -1,0 +1,51 @@
+// What the robot's outputs show: LEDs, digital outputs, low side drivers, infrared (OI p. 9 to 11).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace cargobay::hal::sim {
+
+inline constexpr std::uint8_t kFullDuty = 128;
+
+struct Leds {
+  bool play = false;
+  bool advance = false;
+  std::uint8_t power_color = 0;      // 0 green to 255 red
+  std::uint8_t power_intensity = 0;  // 0 off to 255 full
+};
+
+struct Actuators {
+  Leds leds{};
+  std::uint8_t digital_outputs = 0;                // one bit each, bit 0 is output 0
+  std::array<std::uint8_t, 3> low_side_drivers{};  // duty, 0 to 128, of drivers 0 to 2
+  std::optional<std::uint8_t> infrared_sent{};     // by the last Send IR
+  std::uint64_t infrared_count = 0;
+
+  void set_leds(std::uint8_t bits, std::uint8_t color, std::uint8_t intensity) {
+    leds = {.play = (bits & 0b10U) != 0,
+            .advance = (bits & 0b1000U) != 0,
+            .power_color = color,
+            .power_intensity = intensity};
+  }
+  // All on or off, one bit a driver.
+  void switch_low_side_drivers(std::uint8_t bits) {
+    for (unsigned i = 0; i < low_side_drivers.size(); ++i) {
+      low_side_drivers[i] =
+          ((static_cast<unsigned>(bits) >> i) & 1U) != 0 ? kFullDuty : std::uint8_t{0};
+    }
+  }
+  void set_low_side_drivers(std::array<std::uint8_t, 3> duty) {
+    for (unsigned i = 0; i < low_side_drivers.size(); ++i) {
+      low_side_drivers[i] = std::min(duty[i], kFullDuty);
+    }
+  }
+  void send_infrared(std::uint8_t byte) {
+    infrared_sent = byte;
+    ++infrared_count;
+  }
+};
+
+}  // namespace cargobay::hal::sim

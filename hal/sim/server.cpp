@@ -1,0 +1,233 @@
+#include "hal/sim/server.hpp"
+
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <ctime>
+#include <span>
+
+#include "hal/sim/rate_change.hpp"
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+// Further behind than this, as after SIGSTOP, the robot stood still too.
+constexpr rt::Duration kLongestLag = std::chrono::seconds{1};
+// What is caught up in one piece: less than fills the room for bytes at the fastest rate.
+constexpr rt::Duration kCatchUpPiece = std::chrono::milliseconds{50};
+
+}  // namespace
+
+Result<std::unique_ptr<Server>> Server::open(const Parameters& parameters,
+                                             const ServerOptions& options) {
+  Result<std::unique_ptr<PtyPort>> port = PtyPort::open(options.link, parameters.boot_baud);
+  if (!port) return port.failure();
+  const int wake_descriptor = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  if (wake_descriptor < 0) {
+    const std::error_code code{errno, std::generic_category()};
+    return Failure{.message = "no eventfd for the virtual Create: " + code.message() +
+                              "; raise the limit of open files",
+                   .code = code};
+  }
+  return std::unique_ptr<Server>{
+      new Server{parameters, options, std::move(*port), wake_descriptor}};
+}
+
+Server::Server(const Parameters& parameters, const ServerOptions& options,
+               std::unique_ptr<PtyPort> port, int wake_descriptor)
+    : options_{options},
+      wake_descriptor_{wake_descriptor},
+      port_{std::move(port)},
+      device_{parameters},
+      cable_{device_},
+      truth_{std::max<std::size_t>(options.truth_samples, 1)} {
+  device_.on_tick = [this](const Device& device) {
+    if (truth_.full()) truth_.pop_front();
+    (void)truth_.push_back({.time = monotonic(device.now()),  // has room: made above
+                            .speeds = device.truth().speeds,
+                            .commanded = device.commanded(),
+                            .mode = device.mode()});
+  };
+}
+
+Server::~Server() {
+  stop();
+  close(wake_descriptor_);
+}
+
+std::error_code Server::start() {
+  power_on_ = rt::Clock::now();
+  // Signals are the business of the program's own threads.
+  sigset_t all{};
+  sigset_t before{};
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::error_code error;
+  try {
+    thread_ = std::thread{[this] { run(); }};
+  } catch (const std::system_error& refused) {  // the one way std::thread has to say it
+    error = refused.code();
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (!error && options_.priority > 0) {
+    const sched_param parameters{.sched_priority = options_.priority};
+    priority_error_ = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters);
+  }
+  return error;
+}
+
+void Server::stop() {
+  if (thread_.joinable()) {
+    stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
+    wake();
+    thread_.join();
+  }
+  unplug();
+}
+
+std::string Server::path() const {
+  const std::lock_guard lock{mutex_};
+  return port_ ? port_->path() : std::string{};
+}
+
+void Server::wake() {
+  const std::uint64_t one = 1;
+  (void)!::write(wake_descriptor_, &one, sizeof one);  // a full counter wakes as well
+}
+
+void Server::run() {
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  while (!stopping_.load(std::memory_order_relaxed)) sleep_until(step());
+}
+
+rt::TimePoint Server::step() {
+  const std::lock_guard lock{mutex_};
+  ++counters_.wakeups;
+  if (port_) port_->update_clients();
+  catch_up(rt::Clock::now());
+  if (port_) take_from_host();
+  return monotonic(cable_.next_batch(options_.batch_bytes));
+}
+
+void Server::catch_up(rt::TimePoint now) {
+  rt::Duration target = now - power_on_;
+  if (target - cable_.now() > kLongestLag) {
+    ++counters_.stalls;
+    power_on_ += target - cable_.now();
+    target = cable_.now();
+  }
+  do {
+    cable_.advance_to(std::min(target, cable_.now() + kCatchUpPiece));
+    hand_to_host();
+  } while (cable_.now() < target);
+}
+
+void Server::take_from_host() {
+  const std::uint32_t baud = port_->host_baud();
+  std::array<std::uint8_t, 512> bytes{};
+  for (;;) {
+    const std::size_t room = std::min(bytes.size(), cable_.send_room());
+    const std::size_t count = room == 0 ? 0 : port_->read(std::span{bytes}.first(room));
+    if (count == 0) break;
+    const std::span<const std::uint8_t> read{bytes.data(), count};
+    // Those in front of a change of rate went at the former one.
+    const std::size_t former = cable_.host_baud() == device_.baud() && baud != cable_.host_baud()
+                                   ? sent_before_change(read, baud)
+                                   : 0;
+    (void)cable_.send(read.first(former));  // there is room for all
+    cable_.set_host_baud(baud);
+    (void)cable_.send(read.subspan(former));
+  }
+  cable_.set_host_baud(baud);
+}
+
+void Server::hand_to_host() {
+  std::array<std::uint8_t, 512> bytes{};
+  while (const std::size_t count = cable_.take(bytes)) {
+    const std::size_t taken = port_->has_client() ? port_->write(std::span{bytes}.first(count)) : 0;
+    counters_.bytes_undelivered += count - taken;
+  }
+}
+
+void Server::sleep_until(rt::TimePoint time) {
+  std::array<pollfd, 3> sources{{{.fd = -1, .events = POLLIN, .revents = 0},
+                                 {.fd = -1, .events = POLLIN, .revents = 0},
+                                 {.fd = wake_descriptor_, .events = POLLIN, .revents = 0}}};
+  {
+    const std::lock_guard lock{mutex_};
+    if (port_) {
+      // With no room for what the host sends it is left where it is, as by a full transmitter.
+      if (cable_.send_room() > 0) sources[0].fd = port_->descriptor();
+      sources[1].fd = port_->watch_descriptor();
+    }
+  }
+  const rt::Duration left = std::max(time - rt::Clock::now(), rt::Duration::zero());
+  const timespec timeout{.tv_sec = static_cast<time_t>(left.count() / 1'000'000'000),
+                         .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
+  if (ppoll(sources.data(), sources.size(), &timeout, nullptr) > 0 && sources[2].revents != 0) {
+    std::uint64_t count = 0;
+    (void)!::read(wake_descriptor_, &count, sizeof count);  // only empties it
+  }
+}
+
+Snapshot Server::snapshot() const {
+  const std::lock_guard lock{mutex_};
+  return {.time = device_.now(),
+          .mode = device_.mode(),
+          .baud = device_.baud(),
+          .truth = device_.truth(),
+          .commanded = device_.commanded(),
+          .device = device_.counters(),
+          .cable = cable_.counters(),
+          .server = counters_};
+}
+
+void Server::take_truth(std::vector<TruthSample>& samples) {
+  const std::lock_guard lock{mutex_};
+  samples.reserve(samples.size() + truth_.size());
+  for (; !truth_.empty(); truth_.pop_front()) samples.push_back(truth_.front());
+}
+
+void Server::with_device(const std::function<void(Device&)>& change) {
+  with_cable([&change](Cable& cable) { change(cable.device()); });
+}
+
+void Server::with_cable(const std::function<void(Cable&)>& change) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (thread_.joinable()) catch_up(rt::Clock::now());
+    change(cable_);
+  }
+  wake();
+}
+
+void Server::unplug() {
+  {
+    const std::lock_guard lock{mutex_};
+    port_.reset();
+  }
+  wake();
+}
+
+std::optional<Failure> Server::replug() {
+  {
+    const std::lock_guard lock{mutex_};
+    if (port_) return std::nullopt;
+    Result<std::unique_ptr<PtyPort>> port = PtyPort::open(options_.link, cable_.host_baud());
+    if (!port) return port.failure();
+    port_ = std::move(*port);
+  }
+  wake();
+  return std::nullopt;
+}
+
+}  // namespace cargobay::hal::sim

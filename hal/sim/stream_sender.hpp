@@ -1,0 +1,41 @@
+// The list of packets the robot streams, and whether it does (OI p. 14).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "oi/extensions.hpp"
+#include "oi/fixed_list.hpp"
+#include "oi/limits.hpp"
+#include "oi/packet_table.hpp"
+
+namespace cargobay::hal::sim {
+
+class StreamSender {
+ public:
+  // A new list starts the stream, an empty one ends it. Ids that are no packets, and what goes
+  // beyond the 43 of the manual, are passed over.
+  void start(std::span<const std::uint8_t> packet_ids, oi::Extensions extensions) {
+    packets_.clear();
+    for (const std::uint8_t id : packet_ids) {
+      if (oi::find_packet(id, extensions) != nullptr)
+        (void)packets_.push_back(id);  // full: passed over
+    }
+    running_ = true;
+  }
+  void pause() { running_ = false; }
+  void resume() { running_ = true; }
+  void reset() {
+    packets_.clear();
+    running_ = false;
+  }
+
+  bool running() const { return running_ && !packets_.empty(); }
+  std::span<const std::uint8_t> packets() const { return packets_; }
+
+ private:
+  oi::FixedList<std::uint8_t, oi::kMaxStreamPackets> packets_{};
+  bool running_ = false;
+};
+
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,19 @@
+// The baud rate of a terminal as a number. termios knows only the rates that have a constant; of
+// the robot's twelve, 14400 and 28800 have none.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <system_error>
+
+namespace cargobay::hal {
+
+// Both directions, from now on; what is still to be sent goes at the new rate, so drain first.
+// After an error the former rate holds.
+[[nodiscard]] std::error_code set_tty_speed(int descriptor, std::uint32_t baud);
+
+// The rate the terminal sends at; nothing where it is no terminal. On the master side of a
+// pseudo-terminal: the rate its slave side was set to.
+std::optional<std::uint32_t> tty_speed(int descriptor);
+
+}  // namespace cargobay::hal

@@ -1,0 +1,91 @@
+// Commands as text and back, by the command table.
+//
+//   drive -200 500            the manual's name in snake case, then the arguments in its units
+//   drive_direct 100 -100     left before right, and drivers 0, 1, 2: not the order of the wire
+//   stream distance angle     as many packets as there are; `none` for none; numbers will do too
+//   song 0 60:32 rest:16      number:duration
+//   leds play,advance 0 128   bits by name with commas between, `none`, or their sum
+//   baud 57600                the rate; a number below 12 is a code
+//   script { drive 300 straight; wait_distance 400; drive 0 0 }
+//
+// Commands are separated by `;` or the end of a line; `#` begins a comment. Numbers are decimal or
+// hexadecimal (0x1f); in hexadecimal a negative one is its two's complement, as the manual writes
+// it. In a script `bytes 137 1` stands for bytes that are no whole command.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "oi/command_table.hpp"
+#include "oi/limits.hpp"
+#include "oi/packet_table.hpp"
+
+namespace cargobay::oi {
+
+// What is wrong with a text, and where.
+struct TextError {
+  enum class Code : std::uint8_t {
+    unknown_command,
+    missing_argument,
+    extra_argument,
+    bad_value,     // neither a number nor a name that the argument knows
+    out_of_range,  // a number that the manual's range does not have
+    bad_note,      // not number:duration
+    too_many,      // packets or notes: `limit` is the most
+    no_script,     // `script` without `{`
+    open_script,   // `{` without `}`
+    stray_brace,
+    nested_script,
+    script_too_long,  // more than `limit` bytes
+    bytes_outside,    // `bytes` outside a script
+    output_full,      // more than the `limit` bytes of the buffer
+  };
+  Code code = Code::unknown_command;
+  std::size_t position = 0;                // of the word, in bytes from the beginning of the text
+  std::size_t length = 0;                  // of the word; 0 where something is missing
+  const CommandInfo* command = nullptr;    // whose argument it is
+  const ArgumentInfo* argument = nullptr;  // with its range and unit
+  std::string_view hint{};                 // a name that was probably meant
+  std::size_t limit = 0;
+};
+
+struct TextResult {
+  std::size_t bytes = 0;  // written to `out`; 0 where there is an error
+  std::optional<TextError> error{};
+};
+
+// Text to bytes. A text without any command gives none, and no error. After an error `out` holds
+// nothing of use.
+TextResult encode_text(std::string_view text, std::span<std::uint8_t> out);
+
+// Room for the text of any command: 255 packets with the longest name.
+inline constexpr std::size_t kMaxCommandText = [] {
+  std::size_t longest = 0;
+  for (const PacketInfo& packet : kPackets)
+    longest = longest < packet.key.size() ? packet.key.size() : longest;
+  return std::string_view{"query_list"}.size() + kMaxQueryPackets * (longest + 1);
+}();
+
+// One whole command as text that encode_text() turns into the same bytes: one spelling for each,
+// names rather than numbers. Returns the characters written; 0 where the bytes are not one command
+// of the manual with values in range, or `out` is too small.
+std::size_t format_command(std::span<const std::uint8_t> command, std::span<char> out);
+
+// One line for a person: where, what is wrong, and what would be right. `text` is the one that the
+// error is about. Cut off where `out` ends; 400 characters are enough.
+std::size_t format_error(const TextError& error, std::string_view text, std::span<char> out);
+
+// What stands in a script for bytes that are no whole command, or one with values out of range.
+inline constexpr std::string_view kRawBytesKey = "bytes";
+
+// The argument that the text has in this place, as an index of the arguments on the wire: of these
+// two commands the wire has right before left and driver 2 before driver 0.
+constexpr std::size_t wire_place(const CommandInfo& info, std::size_t text_place) {
+  const bool reversed = info.opcode == 144 || info.opcode == 145;
+  return reversed ? info.argument_count - 1U - text_place : text_place;
+}
+
+}  // namespace cargobay::oi

@@ -1,0 +1,81 @@
+// What some robots answer although the manual does not know it. Off unless asked for.
+//
+// One published source each: firmware of 2007-09-24 answers Query List for packets 43 and 44 with
+// the raw counts of the wheel encoders, and opcode 8 with its date. Opcode 7 as a soft reset is
+// known to several.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "oi/packet_table.hpp"
+
+namespace cargobay::oi {
+
+enum class Extensions : std::uint8_t { off, on };
+
+// Raw encoder counts: they count up in both directions and wrap at 65536.
+inline constexpr PacketId kRawLeftCount{43};
+inline constexpr PacketId kRawRightCount{44};
+inline constexpr double kRawCountsPerMm = 7.8324;
+
+inline constexpr std::array<PacketInfo, 2> kExtensionPackets{{
+    detail::single(kRawLeftCount, 2, false, Unit::none, 0, 65535, "raw_left_count",
+                   "Raw Left Count"),
+    detail::single(kRawRightCount, 2, false, Unit::none, 0, 65535, "raw_right_count",
+                   "Raw Right Count"),
+}};
+inline constexpr std::uint8_t kLastExtensionPacket = 44;
+
+// The packet's entry; null for an id that is no packet.
+constexpr const PacketInfo* find_packet(std::uint8_t id, Extensions extensions) {
+  if (id < kPacketCount) return &kPackets[id];
+  if (extensions == Extensions::off || id > kLastExtensionPacket) return nullptr;
+  return &kExtensionPackets[id - kPacketCount];
+}
+
+// How far a raw counter went between two readings; right as long as it wrapped at most once.
+constexpr std::uint16_t raw_count_difference(std::uint16_t before, std::uint16_t after) {
+  return static_cast<std::uint16_t>(after - before);
+}
+
+// Restarts the robot's processor: silent for about 3 s, ready after 4 to 5 s.
+inline constexpr std::uint8_t kSoftResetOpcode = 7;
+// Asks for the firmware's date.
+inline constexpr std::uint8_t kFirmwareDateOpcode = 8;
+inline constexpr std::size_t kFirmwareDateBytes = 7;
+
+struct FirmwareDate {
+  std::uint8_t year = 0;  // of the century
+  std::uint8_t month = 0;
+  std::uint8_t day = 0;
+  std::uint8_t hour = 0;
+  std::uint8_t minute = 0;
+  friend constexpr bool operator==(const FirmwareDate&, const FirmwareDate&) = default;
+};
+
+// Reads the answer to opcode 8: 18, year, month, day, hour, minute and the exclusive or of these.
+// Nothing where it is not such an answer.
+constexpr std::optional<FirmwareDate> parse_firmware_date(std::span<const std::uint8_t> answer) {
+  if (answer.size() != kFirmwareDateBytes || answer[0] != 18) return std::nullopt;
+  std::uint8_t check = 0;
+  for (const std::uint8_t byte : answer) check = static_cast<std::uint8_t>(check ^ byte);
+  if (check != 0) return std::nullopt;
+  return FirmwareDate{answer[1], answer[2], answer[3], answer[4], answer[5]};
+}
+
+// The answer to opcode 8.
+constexpr std::array<std::uint8_t, kFirmwareDateBytes> firmware_date_answer(
+    const FirmwareDate& date) {
+  std::array<std::uint8_t, kFirmwareDateBytes> answer{18,        date.year,   date.month, date.day,
+                                                      date.hour, date.minute, 0};
+  for (std::size_t i = 0; i + 1 < answer.size(); ++i) {
+    answer.back() = static_cast<std::uint8_t>(answer.back() ^ answer[i]);
+  }
+  return answer;
+}
+
+}  // namespace cargobay::oi

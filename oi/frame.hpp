@@ -1,0 +1,55 @@
+// A stream frame: header 19, number n of the bytes that follow up to the checksum, packet ids each
+// with its data, checksum (OI p. 14).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "oi/checksum.hpp"
+#include "oi/extensions.hpp"
+#include "oi/limits.hpp"
+#include "oi/packet_table.hpp"
+
+namespace cargobay::oi {
+
+inline constexpr std::size_t kFrameOverhead = 3;  // header, n, checksum
+inline constexpr std::size_t kMinFrameBytes = 5;  // one packet of one byte
+
+// How many bytes of a frame each id claims, itself included; 0 for an id that is no packet.
+using ItemSizes = std::array<std::uint8_t, 256>;
+
+namespace detail {
+
+constexpr ItemSizes item_sizes(Extensions extensions) {
+  ItemSizes sizes{};
+  for (std::size_t id = 0; id < sizes.size(); ++id) {
+    const PacketInfo* info = find_packet(static_cast<std::uint8_t>(id), extensions);
+    if (info != nullptr) sizes[id] = static_cast<std::uint8_t>(1 + info->size);
+  }
+  return sizes;
+}
+inline constexpr ItemSizes kItemSizes = item_sizes(Extensions::off);
+inline constexpr ItemSizes kItemSizesWithExtensions = item_sizes(Extensions::on);
+
+}  // namespace detail
+
+constexpr const ItemSizes& item_sizes(Extensions extensions) {
+  return extensions == Extensions::on ? detail::kItemSizesWithExtensions : detail::kItemSizes;
+}
+
+// Whether the bytes are one frame in structure: header, length, and ids whose data fill it exactly.
+// The checksum's place must be there, its value is not looked at.
+constexpr bool is_well_formed(std::span<const std::uint8_t> frame, const ItemSizes& sizes) {
+  if (frame.size() < kMinFrameBytes || frame[0] != kFrameHeader) return false;
+  if (frame[1] + kFrameOverhead != frame.size()) return false;
+  std::size_t at = 2;
+  while (at + 1 < frame.size()) {
+    if (sizes[frame[at]] == 0) return false;
+    at += sizes[frame[at]];
+  }
+  return at + 1 == frame.size();
+}
+
+}  // namespace cargobay::oi

@@ -1,0 +1,364 @@
+// Bytes to stream frames, one byte at a time, on a line that loses, damages and invents bytes.
+//
+// A frame is believed when its ids and lengths fill it exactly and its checksum is right. What is
+// neither a frame nor part of an open candidate is skipped and counted; a bad byte is no error.
+// After any damage the second undamaged frame, at the latest, is delivered with its last byte:
+// - a candidate that turns out wrong is read again from the byte behind its header, so that a frame
+//   inside it is not lost;
+// - a candidate that is still open, say because its length byte was damaged, is dropped as soon as
+//   two whole frames, one behind the other, have gone by inside it.
+// What the checksum cannot tell passes: of damaged bytes that have the structure of a frame, 1 in
+// 256 is believed, 2 in 256 while the form of the checksum is not known yet.
+//
+// Memory: about 1 KiB, in place. Time: a few instructions for most bytes; what is refused is read
+// again, at worst 258 bytes from each of 85 false headers in them (a line made to be the worst took
+// 40 us for one byte where a good one took 1 ns). No clock: a caller who finds the line quiet says
+// so by abandon().
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "oi/checksum.hpp"
+#include "oi/frame.hpp"
+#include "oi/limits.hpp"
+#include "oi/text_tail.hpp"
+
+namespace cargobay::oi {
+
+class StreamDecoder {
+ public:
+  enum class Outcome : std::uint8_t {
+    nothing,  // more bytes are needed
+    frame,    // frame() is one
+    corrupt,  // what looked like the beginning of a frame was none
+  };
+
+  // bytes == framed + skipped + what an open candidate holds.
+  struct Counters {
+    std::uint64_t bytes = 0;          // pushed
+    std::uint64_t frames = 0;         // delivered
+    std::uint64_t framed = 0;         // bytes in them
+    std::uint64_t skipped = 0;        // bytes in no frame, text among them
+    std::uint64_t text = 0;           // skipped bytes that are printable, CR or LF
+    std::uint64_t bad_checksum = 0;   // candidates whole but for their checksum
+    std::uint64_t bad_structure = 0;  // candidates that no list of packets gives
+    std::uint64_t overtaken = 0;      // open candidates that two frames went by inside of
+    std::uint64_t abandoned = 0;      // open candidates when abandon() was called
+    std::uint64_t resyncs = 0;        // delivered frames that did not follow right behind another
+    std::uint64_t locks = 0;          // times the form of the checksum was settled
+  };
+
+  // Automatic settles on a form, and on the other form, when so many frames in a row have it.
+  static constexpr unsigned kFramesToLock = 4;
+
+  constexpr explicit StreamDecoder(Checksum form = Checksum::automatic,
+                                   Extensions extensions = Extensions::off)
+      : sizes_{&item_sizes(extensions)}, configured_{form}, form_{form} {}
+
+  // Takes one byte. After `frame` or `corrupt` call next() until it says `nothing`: the bytes
+  // already held may be more frames. Whoever does not gets them with later bytes.
+  constexpr Outcome push(std::uint8_t byte) noexcept {
+    ++counters_.bytes;
+    if (end_ + 1 < gate_ && (byte != kFrameHeader || spare_headers_-- > 0)) {
+      held_[end_++] = byte;
+      return Outcome::nothing;
+    }
+    return push_with_care(byte);
+  }
+  constexpr Outcome next() noexcept { return in_lane_ ? Outcome::nothing : advance(); }
+
+  // The line has been quiet for too long for the rest of an open candidate to come: gives it up and
+  // reads what is held again. To be called until it says `nothing`; then nothing is held.
+  constexpr Outcome abandon() noexcept {
+    if (in_lane_) leave_lane();
+    const Outcome outcome = advance();
+    if (outcome != Outcome::nothing || begin_ == end_) return outcome;
+    return reject(counters_.abandoned);
+  }
+
+  // Header to checksum of the frame of the last push() or next(); valid until the next of either.
+  constexpr std::span<const std::uint8_t> frame() const {
+    return std::span{held_}.subspan(frame_begin_, frame_length_);
+  }
+  constexpr const Counters& counters() const { return counters_; }
+  // The form in force; nothing as long as automatic has not settled.
+  constexpr std::optional<Checksum> checksum() const {
+    if (form_ == Checksum::automatic) return std::nullopt;
+    return form_;
+  }
+  // Has skipped text copied there, null for no more. `tail` outlives the decoder or the next call.
+  constexpr void collect_text(TextTail* tail) { text_ = tail; }
+
+  // As new, with zero counters, but for collect_text().
+  constexpr void reset() noexcept {
+    TextTail* const text = text_;
+    const ItemSizes* const sizes = sizes_;
+    *this = StreamDecoder{configured_};
+    sizes_ = sizes;
+    text_ = text;
+  }
+
+ private:
+  // held_ keeps [begin_, end_). Of these [begin_, read_) have been read: they are the open
+  // candidate. [read_, end_) wait to be read, or read again.
+  //
+  // Most bytes need no reading when they come. While nothing waits, bytes before the gate_-th are
+  // stored only, and counted in read_ later; a 19 that is not spare is read at once.
+  //
+  // The lane goes further: right behind a frame another of a usual length is expected, so its bytes
+  // are stored, and read as a whole when the last has come. If it is no such frame its bytes are
+  // read one by one, as if they had just come. More than one 19 in its data could be the two
+  // frames inside: then too.
+
+  constexpr Outcome push_with_care(std::uint8_t byte) noexcept {
+    if (in_lane_) return push_in_lane(byte);
+    catch_up();
+    if (end_ == held_.size()) make_room();
+    held_[end_++] = byte;
+    return advance();
+  }
+
+  constexpr Outcome push_in_lane(std::uint8_t byte) noexcept {
+    held_[end_++] = byte;
+    if (end_ == 2 && held_[0] == kFrameHeader && is_usual(byte + kFrameOverhead)) {
+      gate_ = length_ = byte + kFrameOverhead;
+      return Outcome::nothing;
+    }
+    if (end_ == length_ && is_frame(0, end_, form_)) {
+      run_ = 0;
+      read_ = end_;
+      return deliver();
+    }
+    leave_lane();
+    return advance();
+  }
+
+  // Two lengths, because a stream of windows has two lists in turn.
+  constexpr bool is_usual(std::size_t length) const {
+    return length == frame_length_ || length == other_length_;
+  }
+  // Nothing is held and a frame has just been delivered.
+  constexpr void enter_lane() {
+    in_lane_ = form_ != Checksum::automatic;
+    gate_ = in_lane_ ? 2 : 0;
+    spare_headers_ = 2;  // its own and one more
+  }
+  constexpr void leave_lane() {
+    in_lane_ = false;
+    gate_ = 0;
+  }
+
+  constexpr void catch_up() {
+    if (gate_ != 0) read_ = end_;
+    gate_ = 0;
+  }
+
+  constexpr Outcome advance() noexcept {
+    catch_up();
+    while (read_ < end_) {
+      const Outcome outcome = read(held_[read_++]);
+      if (outcome != Outcome::nothing) return outcome;
+    }
+    if (begin_ == end_) {
+      begin_ = read_ = end_ = 0;
+    } else if (begin_ > 0) {
+      make_room();
+    }
+    if (begin_ < end_ && header_count_ < 2) gate_ = structure_at_;
+    spare_headers_ = 0;
+    return Outcome::nothing;
+  }
+
+  // Moves what is held to the front.
+  constexpr void make_room() {
+    std::copy(held_.begin() + static_cast<std::ptrdiff_t>(begin_),
+              held_.begin() + static_cast<std::ptrdiff_t>(end_), held_.begin());
+    read_ -= begin_;
+    end_ -= begin_;
+    begin_ = 0;
+  }
+
+  constexpr Outcome read(std::uint8_t byte) noexcept {
+    if (read_ == begin_ + 1) return read_first(byte);
+    if (byte == kFrameHeader || header_count_ >= 2) watch_for_frames_inside(byte);
+    if (read_ - begin_ == structure_at_) {
+      const Outcome outcome = read_structure(byte);
+      if (outcome != Outcome::nothing) return outcome;
+    }
+    if (header_count_ >= 2 && a_frame_may_end_here() && two_frames_end_here()) {
+      return reject(counters_.overtaken);
+    }
+    return Outcome::nothing;
+  }
+
+  constexpr Outcome read_first(std::uint8_t byte) noexcept {
+    if (byte != kFrameHeader) {
+      skip(byte);
+      return Outcome::nothing;
+    }
+    header_count_ = 0;
+    structure_at_ = 2;
+    return Outcome::nothing;
+  }
+
+  // The byte is the length, an id or the checksum: what the structure asks for next.
+  constexpr Outcome read_structure(std::uint8_t byte) noexcept {
+    if (structure_at_ == 2) {
+      length_ = byte + kFrameOverhead;
+      if (length_ < kMinFrameBytes) return reject(counters_.bad_structure);
+      structure_at_ = 3;
+      return Outcome::nothing;
+    }
+    if (structure_at_ == length_) return read_whole();
+    const std::size_t item = (*sizes_)[byte];
+    structure_at_ += item;
+    if (item == 0 || structure_at_ > length_) return reject(counters_.bad_structure);
+    return Outcome::nothing;
+  }
+
+  // The candidate is whole but for what its checksum says.
+  constexpr Outcome read_whole() noexcept {
+    const auto candidate = std::span{held_}.subspan(begin_, length_);
+    const std::uint8_t sum = byte_sum(candidate);
+    if (sum != 0 && sum != kFrameHeader) return reject(counters_.bad_checksum);
+    const Checksum form = sum == 0 ? Checksum::including_header : Checksum::excluding_header;
+    if (!accepts(form)) return reject(counters_.bad_checksum);
+    return deliver();
+  }
+
+  constexpr Outcome deliver() noexcept {
+    frame_begin_ = begin_;
+    if (length_ != frame_length_) other_length_ = frame_length_;
+    frame_length_ = length_;
+    if (!behind_frame_) ++counters_.resyncs;
+    behind_frame_ = true;
+    ++counters_.frames;
+    counters_.framed += frame_length_;
+    begin_ = read_;
+    if (begin_ == end_) {
+      begin_ = read_ = end_ = 0;
+      enter_lane();
+    }
+    return Outcome::frame;
+  }
+
+  // Skips the header of the candidate and has the rest read again.
+  constexpr Outcome reject(std::uint64_t& counter) noexcept {
+    ++counter;
+    skip(kFrameHeader);
+    read_ = begin_;
+    return Outcome::corrupt;
+  }
+
+  constexpr void skip(std::uint8_t byte) noexcept {
+    ++begin_;
+    ++counters_.skipped;
+    behind_frame_ = false;
+    if (!is_text(byte)) return;
+    ++counters_.text;
+    if (text_ != nullptr) text_->push(byte);
+  }
+
+  // Notes the 19s in the candidate behind its header, and, as soon as there are two of them, where
+  // the frames would end that begin with them: to look for these at each byte would take long.
+  constexpr void watch_for_frames_inside(std::uint8_t byte) {
+    const auto offset = static_cast<std::uint16_t>(read_ - 1 - begin_);
+    if (header_count_ >= 2 && headers_[header_count_ - 1] + 1U == offset) expect_end_of_last();
+    if (byte != kFrameHeader) return;
+    if (header_count_ == 1) {
+      expected_ends_ = {};
+      expect_end_of_last();
+    }
+    headers_[header_count_++] = offset;
+  }
+  constexpr void expect_end_of_last() {
+    const std::size_t header = headers_[header_count_ - 1];
+    const std::size_t end = header + held_[begin_ + header + 1] + kFrameOverhead;
+    if (end <= kMaxFrameBytes) expected_ends_[end / 64] |= std::uint64_t{1} << (end % 64);
+  }
+  constexpr bool a_frame_may_end_here() const {
+    const std::size_t end = read_ - begin_;
+    return (expected_ends_[end / 64] >> (end % 64) & 1U) != 0;
+  }
+
+  // Whether two whole frames with checksums of one form stand one behind the other inside the open
+  // candidate, up to the byte just read.
+  constexpr bool two_frames_end_here() const {
+    for (std::size_t i = 1; i < header_count_; ++i) {
+      const std::size_t second = begin_ + headers_[i];
+      if (is_frame(second, read_, configured_) && a_frame_ends_at(second)) return true;
+    }
+    return false;
+  }
+  constexpr bool a_frame_ends_at(std::size_t second) const {
+    for (std::size_t i = 0; begin_ + headers_[i] < second; ++i) {
+      const std::size_t first = begin_ + headers_[i];
+      if (is_frame(first, second, configured_) && of_one_form(first, second)) return true;
+    }
+    return false;
+  }
+  constexpr bool is_frame(std::size_t begin, std::size_t end, Checksum form) const {
+    if (begin + 1 >= end || begin + held_[begin + 1] + kFrameOverhead != end) return false;
+    const auto bytes = std::span{held_}.subspan(begin, end - begin);
+    return is_well_formed(bytes, *sizes_) && checksum_matches(bytes, form);
+  }
+  constexpr bool of_one_form(std::size_t first, std::size_t second) const {
+    return byte_sum(std::span{held_}.subspan(first, second - first)) ==
+           byte_sum(std::span{held_}.subspan(second, read_ - second));
+  }
+
+  // Whether a whole candidate with a checksum of that form is to be believed.
+  constexpr bool accepts(Checksum form) noexcept {
+    if (configured_ != Checksum::automatic) return form == configured_;
+    if (form == form_) {
+      run_ = 0;
+      return true;
+    }
+    // Not settled, or settled on the other form. Only frames in one row count towards a form, so
+    // that damage, whatever it looks like, does not talk the decoder out of the right one.
+    const std::uint64_t begins = counters_.framed + counters_.skipped;
+    const bool in_row = run_ > 0 && form == run_form_ && begins == run_end_;
+    run_ = in_row ? run_ + 1 : 1;
+    run_form_ = form;
+    run_end_ = begins + length_;
+    if (run_ == kFramesToLock) {
+      form_ = form;
+      run_ = 0;
+      ++counters_.locks;
+      return true;
+    }
+    return form_ == Checksum::automatic;
+  }
+
+  std::size_t gate_ = 0;
+  std::size_t end_ = 0;
+  int spare_headers_ = 0;
+  bool in_lane_ = false;
+  bool behind_frame_ = false;
+  const ItemSizes* sizes_;
+  Checksum configured_;
+  Checksum form_;
+  std::size_t begin_ = 0;
+  std::size_t read_ = 0;
+  std::size_t structure_at_ = 0;  // of the candidate: the how manieth byte its structure needs next
+  std::size_t length_ = 0;        // and how many it will be, once known
+  std::size_t header_count_ = 0;  // bytes 19 in the candidate behind its first
+  std::size_t frame_begin_ = 0;
+  std::size_t frame_length_ = 0;
+  std::size_t other_length_ = 0;  // of the last frame that was not as long
+  Counters counters_{};
+  std::uint64_t run_end_ = 0;  // where in the stream the next frame of the run begins
+  unsigned run_ = 0;
+  Checksum run_form_ = Checksum::automatic;
+  TextTail* text_ = nullptr;
+  std::array<std::uint8_t, kMaxFrameBytes> held_{};
+  std::array<std::uint16_t, kMaxFrameBytes> headers_{};  // where they are, counted from begin_
+  std::array<std::uint64_t, kMaxFrameBytes / 64 + 1> expected_ends_{};  // a bit for each place
+};
+
+}  // namespace cargobay::oi

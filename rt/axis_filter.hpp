@@ -1,0 +1,82 @@
+// A Kalman filter for one axis of motion, measured by a counter that truncates to whole steps.
+//
+// States: position since the counter was last read, speed, and an input disturbance (what the
+// motors lose, in the unit of the command). Speed follows command + disturbance with a first-order
+// lag.
+//
+// A reading z says that the position lies in an interval, not at a point: [z, z+1) steps going
+// forward, (z-1, z] going back, (-1, 1) at 0. The update conditions the state on that interval by
+// the moments of the truncated normal distribution, so a slow axis that reads 0 for many ticks
+// teaches what it can and nothing more. The probability of the reading falls out of the update
+// and tells hypotheses apart.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::rt {
+
+// What reading does to the fraction of a step that the counter could not report.
+enum class Remainder {
+  carried,  // it counts towards the next reading
+  lost,     // it is gone
+};
+
+class AxisFilter {
+ public:
+  struct Parameters {
+    double step_mm = 1.0;  // one count, in mm along the axis (above 0)
+    double lag_s = 0.100;  // of the first-order response
+    double tick_s = 0.015;
+    double speed_noise_mm_s = 2.0;        // standard deviation added to the speed each tick
+    double disturbance_noise_mm_s = 0.3;  // the same for the disturbance, while the command rests
+    double counter_noise_mm = 0.15;       // encoder resolution and the like
+  };
+
+  explicit AxisFilter(const Parameters& parameters);
+
+  // Back to standing still, nothing known of the disturbance.
+  void reset() noexcept CARGOBAY_NONBLOCKING;
+
+  // One tick under the mean command of that tick. `disturbance_sd_mm_s`: how much the disturbance
+  // may have changed because the command did. `position_sd_mm`: how wrong the counter may have gone
+  // in this tick (a wheel that coasts against its commanded direction counts backwards).
+  void predict(double command_mm_s, double disturbance_sd_mm_s,
+               double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
+
+  // The same with the motors commanded to 0: nothing drives the wheels, so the disturbance, which
+  // is what the motors lose, does not either.
+  void coast(double disturbance_sd_mm_s, double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
+
+  // The counter was read, and said `count`. Returns the natural logarithm of the probability that
+  // this filter gave to it.
+  double read(int count, Remainder remainder) noexcept CARGOBAY_NONBLOCKING;
+
+  // The counter was read, and nobody knows what it said.
+  void read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING;
+
+  double speed_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kSpeed]; }
+  double disturbance_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kDisturbance]; }
+  double speed_variance() const noexcept CARGOBAY_NONBLOCKING {
+    return covariance_(kSpeed, kSpeed);
+  }
+
+ private:
+  static constexpr Eigen::Index kPosition = 0;
+  static constexpr Eigen::Index kSpeed = 1;
+  static constexpr Eigen::Index kDisturbance = 2;
+
+  void propagate(const Eigen::Matrix3d& transition, double disturbance_sd_mm_s,
+                 double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
+  void forget_position(double variance) noexcept CARGOBAY_NONBLOCKING;
+
+  Parameters parameters_;
+  Eigen::Matrix3d transition_;
+  Eigen::Matrix3d coasting_;  // the same without the disturbance's part
+  Eigen::Vector3d input_;
+  Eigen::Vector3d state_;
+  Eigen::Matrix3d covariance_;
+};
+
+}  // namespace cargobay::rt

@@ -1,0 +1,21 @@
+// The one clock: CLOCK_MONOTONIC, which std::chrono::steady_clock is on Linux. Virtual time uses
+// the same type with its own origin.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace cargobay::rt {
+
+using Clock = std::chrono::steady_clock;
+using TimePoint = Clock::time_point;
+using Duration = std::chrono::nanoseconds;
+
+constexpr std::int64_t nanoseconds(TimePoint time) {
+  return std::chrono::duration_cast<Duration>(time.time_since_epoch()).count();
+}
+constexpr double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace cargobay::rt

@@ -1,0 +1,77 @@
+// A histogram of durations in fixed memory: log-linear buckets, like HdrHistogram's. Each power of
+// two is divided into 128 equal buckets, so a percentile is exact to 1/128 (0.8 %) of its value.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::rt {
+
+class Histogram {
+ public:
+  // Values from here on, about 18 minutes in nanoseconds, are counted in the last bucket.
+  static constexpr std::uint64_t kMostValue = std::uint64_t{1} << 40U;
+
+  // One thread records at a time.
+  void record(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+    ++counts_[bucket_of(value)];
+    ++count_;
+    min_ = std::min(min_, value);
+    max_ = std::max(max_, value);
+  }
+  void merge(const Histogram& other) noexcept CARGOBAY_NONBLOCKING {
+    for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
+    count_ += other.count_;
+    min_ = std::min(min_, other.min_);
+    max_ = std::max(max_, other.max_);
+  }
+
+  std::uint64_t count() const noexcept CARGOBAY_NONBLOCKING { return count_; }
+  // Exact. 0 where nothing was recorded.
+  std::uint64_t min() const noexcept CARGOBAY_NONBLOCKING { return count_ == 0 ? 0 : min_; }
+  std::uint64_t max() const noexcept CARGOBAY_NONBLOCKING { return max_; }
+
+  // The smallest value that at least `percent` (0 to 100) of the recorded ones do not exceed,
+  // rounded up to the end of its bucket but never above max(). 0 where nothing was recorded.
+  std::uint64_t percentile(double percent) const noexcept CARGOBAY_NONBLOCKING {
+    // 99.9 % of 1000 is the 999th, whatever floating point makes of it.
+    const double all = static_cast<double>(count_);
+    const double wanted = std::max(1.0, percent / 100.0 * all - 1e-9 * all);
+    std::uint64_t seen = 0;
+    for (std::size_t i = 0; i < kBuckets; ++i) {
+      seen += counts_[i];
+      if (static_cast<double>(seen) >= wanted) return std::min(last_value_of(i), max_);
+    }
+    return max_;
+  }
+
+ private:
+  static constexpr unsigned kSubBits = 7;
+  static constexpr std::uint64_t kSubBuckets = std::uint64_t{1} << kSubBits;
+  static constexpr std::size_t kBuckets = (40 - kSubBits + 1) * kSubBuckets;
+
+  // The first 128 values have a bucket each; after them, 128 buckets for each power of two.
+  static std::size_t bucket_of(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+    const std::uint64_t held = std::min(value, kMostValue - 1);
+    if (held < kSubBuckets) return static_cast<std::size_t>(held);
+    const unsigned shift = static_cast<unsigned>(std::bit_width(held)) - 1 - kSubBits;
+    return static_cast<std::size_t>((shift + 1) * kSubBuckets + (held >> shift) - kSubBuckets);
+  }
+  static std::uint64_t last_value_of(std::size_t bucket) noexcept CARGOBAY_NONBLOCKING {
+    if (bucket < kSubBuckets) return bucket;
+    const std::uint64_t shift = bucket / kSubBuckets - 1;
+    return ((bucket % kSubBuckets + kSubBuckets + 1) << shift) - 1;
+  }
+
+  std::array<std::uint64_t, kBuckets> counts_{};
+  std::uint64_t count_ = 0;
+  std::uint64_t min_ = ~std::uint64_t{0};
+  std::uint64_t max_ = 0;
+};
+
+}  // namespace cargobay::rt

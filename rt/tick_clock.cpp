@@ -1,0 +1,73 @@
+#include "rt/tick_clock.hpp"
+
+#include <algorithm>
+
+namespace cargobay::rt {
+namespace {
+
+// An arrival this much before its time still is that tick's: a quarter of a tick.
+constexpr int kEarlyShare = 4;
+// How much of a late arrival is taken for drift, a tick: 1000 ppm of 15 ms.
+constexpr Duration kMostDrift = std::chrono::microseconds{15};
+// Frames that come every 16 ms are late by more than three quarters of a tick four or five times in
+// a row, before two come together: TickClock::kPatience. More than so many are not late like this;
+// only a bunch that is still being handed over is waited for.
+constexpr std::int64_t kMostLate = 2;
+constexpr int kShortPatience = 2;
+
+}  // namespace
+
+void TickClock::start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+  started_ = true;
+  in_phase_ = false;
+  phase_ = arrival;
+  by_time_ = 0;
+  counted_ = 0;
+  doubtful_ = 0;
+}
+
+int TickClock::arrived(TimePoint arrival, int frames,
+                       std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING {
+  const std::int64_t passed =
+      std::max<std::int64_t>(0, (arrival - phase_ + tick_ / kEarlyShare) / tick_);
+  by_time_ += passed;
+  phase_ += passed * tick_;
+  counted_ += frames;
+  in_phase_ = true;
+  if (counted_ > by_time_) {  // the robot is faster than its phase said
+    in_phase_ = phase_ + tick_ - arrival < tick_ / kEarlyShare;
+    by_time_ = counted_;
+    phase_ = arrival;
+  }
+  const std::int64_t lost = settle(passed, damaged);
+  counted_ += lost;
+  // While something is missing, this may be an arrival of a tick earlier, and very late.
+  if (missing() == 0) phase_ += std::min<Duration>(arrival - phase_, kMostDrift);
+  return static_cast<int>(lost);
+}
+
+TimePoint TickClock::due_by(TimePoint time) const noexcept CARGOBAY_NONBLOCKING {
+  const Duration since = time - phase_;
+  const std::int64_t ticks = since / tick_ - (since % tick_ < Duration::zero() ? 1 : 0);
+  return phase_ + ticks * tick_;
+}
+
+// How many of the missing frames are given up.
+std::int64_t TickClock::settle(std::int64_t passed,
+                               std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING {
+  const auto seen_damaged =
+      static_cast<std::int64_t>(std::min(damaged, static_cast<std::uint64_t>(missing())));
+  const std::int64_t doubtful = missing() - seen_damaged;
+  least_missing_ = doubtful_ == 0 ? doubtful : std::min(least_missing_, doubtful);
+  if (doubtful == 0) {
+    doubtful_ = 0;
+  } else if (passed > 0) {
+    ++doubtful_;
+  }
+  const int patience = least_missing_ > kMostLate ? kShortPatience : kPatience;
+  if (doubtful_ < patience) return seen_damaged;
+  doubtful_ = 0;
+  return seen_damaged + least_missing_;
+}
+
+}  // namespace cargobay::rt

@@ -1,0 +1,59 @@
+// Counts the robot's ticks by the frames that arrive, and tells a late frame from a lost one.
+//
+// Frames are sent one a tick; they arrive late, in bunches, or not at all, but never early and
+// never out of order. The earliest arrivals therefore show the robot's phase, which is followed
+// slowly where it drifts. A frame that is missing when the next one is here may still be on its way
+// (a USB adapter that hands over every 16 ms is more than a tick behind for several frames in a
+// row). It counts as lost when something was missing for six ticks, or for two where it was more
+// than two frames, or as soon as it is known to have been damaged.
+#pragma once
+
+#include <cstdint>
+
+#include "rt/clock.hpp"
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::rt {
+
+class TickClock {
+ public:
+  // Ticks for which something is missing before it is given up.
+  static constexpr int kPatience = 6;
+
+  explicit TickClock(Duration tick) : tick_{tick} {}
+
+  // The first frame, or the first after silence: counting starts anew from here.
+  void start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
+  bool started() const noexcept CARGOBAY_NONBLOCKING { return started_; }
+
+  // `frames` (1 or more) were received together. `damaged`: so many have been seen that were no
+  // good; not more of them count than frames are missing. Returns how many before them are now
+  // known to be lost, the damaged ones among them.
+  int arrived(TimePoint arrival, int frames,
+              std::uint64_t damaged = 0) noexcept CARGOBAY_NONBLOCKING;
+
+  // When the last frame that is due by then was due.
+  TimePoint due_by(TimePoint time) const noexcept CARGOBAY_NONBLOCKING;
+  // False after an arrival so early that the phase must have been wrong, and may still be.
+  bool in_phase() const noexcept CARGOBAY_NONBLOCKING { return in_phase_; }
+  // When the next frame arrives if it is on time.
+  TimePoint expected() const noexcept CARGOBAY_NONBLOCKING { return phase_ + tick_; }
+  // Frames received and lost since start().
+  std::int64_t ticks() const noexcept CARGOBAY_NONBLOCKING { return counted_; }
+  // Frames that were due at the last arrival, and are late or lost: it is not known yet.
+  std::int64_t missing() const noexcept CARGOBAY_NONBLOCKING { return by_time_ - counted_; }
+
+ private:
+  std::int64_t settle(std::int64_t passed, std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING;
+
+  Duration tick_;
+  bool started_ = false;
+  bool in_phase_ = false;
+  TimePoint phase_{};               // when the newest tick's frame was due
+  std::int64_t by_time_ = 0;        // ticks since start, by the clock
+  std::int64_t counted_ = 0;        // ticks since start, received and lost
+  int doubtful_ = 0;                // arrivals in a row, each in another tick, with some missing
+  std::int64_t least_missing_ = 0;  // at any of them
+};
+
+}  // namespace cargobay::rt

@@ -1,0 +1,161 @@
+#include "rt/wheel_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cargobay::rt {
+namespace {
+
+constexpr double kInitialLogOdds = -1.5;  // until proven, the kind that is safe to assume
+constexpr double kMostLogOdds = 20.0;     // so that a mistake can still be undone
+// A reading that both kinds expected says nothing. Counted all the same, the small preference that
+// each filter has for its own expectations adds up over a long steady drive and decides wrongly.
+constexpr double kLeastEvidence = 0.1;
+constexpr double kMostSpeed = 600.0;  // mm/s, a fifth above what the robot can be told
+constexpr double kSlackSteps = 2.0;   // of the counter
+
+AxisFilter::Parameters distance_axis(const WheelEstimator::Parameters& parameters) {
+  return {.step_mm = 1.0,
+          .lag_s = parameters.lag_s,
+          .tick_s = parameters.tick_s,
+          .speed_noise_mm_s = parameters.speed_noise_mm_s / std::numbers::sqrt2,
+          .disturbance_noise_mm_s = 0.3,
+          .counter_noise_mm = 0.1};
+}
+
+// The turn axis is right minus left, in mm.
+AxisFilter::Parameters turn_axis(const WheelEstimator::Parameters& parameters) {
+  return {.step_mm = parameters.wheel_base_mm * std::numbers::pi / 180.0,
+          .lag_s = parameters.lag_s,
+          .tick_s = parameters.tick_s,
+          .speed_noise_mm_s = parameters.speed_noise_mm_s * std::numbers::sqrt2,
+          .disturbance_noise_mm_s = 0.6,
+          .counter_noise_mm = 0.2};
+}
+
+// How far a wheel's counter may go astray in one tick: it takes its sign from the command, so a
+// wheel still rolling the old way counts the wrong way.
+double coasting_error_mm(double command_mm_s, double speed_mm_s,
+                         double tick_s) noexcept CARGOBAY_NONBLOCKING {
+  return command_mm_s * speed_mm_s < 0.0 ? 2.0 * std::abs(speed_mm_s) * tick_s : 0.0;
+}
+
+}  // namespace
+
+WheelEstimator::WheelEstimator(const Parameters& parameters)
+    : parameters_{parameters},
+      carried_{Remainder::carried, AxisFilter{distance_axis(parameters)},
+               AxisFilter{turn_axis(parameters)}},
+      lost_{Remainder::lost, AxisFilter{distance_axis(parameters)},
+            AxisFilter{turn_axis(parameters)}} {
+  reset();
+}
+
+void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
+  for (Hypothesis* hypothesis : {&carried_, &lost_}) {
+    hypothesis->distance.reset();
+    hypothesis->turn.reset();
+  }
+  sent_ = {};
+  ticks_since_read_ = 0;
+  reading_unsure_ = true;  // the first reading counts from the robot's last read, whenever that was
+  log_odds_ = kInitialLogOdds;
+  belief_ = RemainderBelief::unknown;
+  if (parameters_.remainder.has_value()) {
+    const bool is_carried = *parameters_.remainder == Remainder::carried;
+    log_odds_ = is_carried ? kMostLogOdds : -kMostLogOdds;
+    belief_ = is_carried ? RemainderBelief::carried : RemainderBelief::lost;
+  }
+}
+
+void WheelEstimator::predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBLOCKING {
+  const WheelSpeeds now = speeds();
+  const double late = std::clamp(parameters_.input_delay_s / parameters_.tick_s, 0.0, 1.0);
+  const double left = late * sent_.left_mm_s + (1.0 - late) * command.left_mm_s;
+  const double right = late * sent_.right_mm_s + (1.0 - late) * command.right_mm_s;
+  const double left_sd = parameters_.droop_sd * (command.left_mm_s - sent_.left_mm_s);
+  const double right_sd = parameters_.droop_sd * (command.right_mm_s - sent_.right_mm_s);
+  const double change_sd = std::hypot(left_sd, right_sd);
+  const double astray =
+      std::hypot(coasting_error_mm(command.left_mm_s, now.left_mm_s, parameters_.tick_s),
+                 coasting_error_mm(command.right_mm_s, now.right_mm_s, parameters_.tick_s));
+  for (Hypothesis* hypothesis : {&carried_, &lost_}) {
+    if (left == 0.0 && right == 0.0) {
+      hypothesis->distance.coast(change_sd / 2.0, astray / 2.0);
+      hypothesis->turn.coast(change_sd, astray);
+    } else {
+      hypothesis->distance.predict((left + right) / 2.0, change_sd / 2.0, astray / 2.0);
+      hypothesis->turn.predict(right - left, change_sd, astray);
+    }
+  }
+  sent_ = command;
+  ++ticks_since_read_;
+}
+
+void WheelEstimator::step(const WheelSpeeds& command,
+                          const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING {
+  predict(command);
+  if (!reading.has_value()) return;
+  const bool believed = plausible(*reading);
+  ticks_since_read_ = 0;
+  if (!believed) ++rejected_;
+  if (!believed || reading_unsure_) {
+    read_unseen();
+    return;
+  }
+  const double carried = carried_.distance.read(reading->distance_mm, Remainder::carried) +
+                         carried_.turn.read(reading->angle_deg, Remainder::carried);
+  const double lost = lost_.distance.read(reading->distance_mm, Remainder::lost) +
+                      lost_.turn.read(reading->angle_deg, Remainder::lost);
+  weigh(carried - lost);
+}
+
+// Whether a robot at full speed, and then some, could have gone so far since the last reading.
+bool WheelEstimator::plausible(const Reading& reading) const noexcept CARGOBAY_NONBLOCKING {
+  const double most_mm = kMostSpeed * parameters_.tick_s * ticks_since_read_ + kSlackSteps;
+  const double most_deg =
+      2.0 * most_mm / parameters_.wheel_base_mm * 180.0 / std::numbers::pi + kSlackSteps;
+  return std::abs(reading.distance_mm) <= most_mm && std::abs(reading.angle_deg) <= most_deg;
+}
+
+void WheelEstimator::read_unseen() noexcept CARGOBAY_NONBLOCKING {
+  reading_unsure_ = false;
+  for (Hypothesis* hypothesis : {&carried_, &lost_}) {
+    hypothesis->distance.read_unseen(hypothesis->remainder);
+    hypothesis->turn.read_unseen(hypothesis->remainder);
+  }
+}
+
+void WheelEstimator::step_lost(const WheelSpeeds& command,
+                               bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
+  predict(command);
+  if (may_have_read) reading_unsure_ = true;
+}
+
+void WheelEstimator::weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING {
+  if (parameters_.remainder.has_value() || std::abs(log_odds) < kLeastEvidence) return;
+  log_odds_ = std::clamp(log_odds_ + log_odds, -kMostLogOdds, kMostLogOdds);
+  if (log_odds_ >= parameters_.decision_log_odds) belief_ = RemainderBelief::carried;
+  if (log_odds_ <= -parameters_.decision_log_odds) belief_ = RemainderBelief::lost;
+}
+
+double WheelEstimator::carried_weight() const noexcept CARGOBAY_NONBLOCKING {
+  return 1.0 / (1.0 + std::exp(-log_odds_));
+}
+
+WheelSpeeds WheelEstimator::speeds() const noexcept CARGOBAY_NONBLOCKING {
+  const double weight = carried_weight();
+  const double mean =
+      weight * carried_.distance.speed_mm_s() + (1.0 - weight) * lost_.distance.speed_mm_s();
+  const double difference =
+      weight * carried_.turn.speed_mm_s() + (1.0 - weight) * lost_.turn.speed_mm_s();
+  return {mean - difference / 2.0, mean + difference / 2.0};
+}
+
+double WheelEstimator::speed_sd_mm_s() const noexcept CARGOBAY_NONBLOCKING {
+  const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
+  return std::sqrt(likely.distance.speed_variance() + likely.turn.speed_variance() / 4.0);
+}
+
+}  // namespace cargobay::rt

@@ -1,0 +1,90 @@
+// Wheel speeds from the distance and angle that the robot reports, whichever kind of robot it is.
+//
+// Distance is the mean of the wheels' travel in whole mm, angle their difference over the wheel
+// base in whole degrees; the part below one step is carried to the next reading by some robots and
+// lost by others. Both kinds are estimated side by side, an AxisFilter for each axis, and the
+// probability that each gave to what was read accumulates as evidence. The two agree where the
+// counters are read seldom and part where they are read every tick, so both must happen for the
+// kind to show: see rt/read_schedule.hpp.
+//
+// Steps by the robot's tick, never by arrival time. One thread; no allocation.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "rt/axis_filter.hpp"
+#include "rt/nonblocking.hpp"
+#include "rt/wheel_speeds.hpp"
+
+namespace cargobay::rt {
+
+// What is known of the remainder.
+enum class RemainderBelief { unknown, carried, lost };
+
+class WheelEstimator {
+ public:
+  struct Parameters {
+    double wheel_base_mm = 258.0;
+    double tick_s = 0.015;
+    double lag_s = 0.100;
+    double input_delay_s = 0.0025;   // from the tick to the arrival of the command it caused
+    double speed_noise_mm_s = 2.0;   // of a wheel, each tick
+    double droop_sd = 0.08;          // how much of a change of command the motors may lose
+    double decision_log_odds = 7.0;  // evidence that settles the kind: about 1000 to 1
+    // Known from the configuration; otherwise it is found out.
+    std::optional<Remainder> remainder{};
+  };
+
+  // What a frame said of the counters.
+  struct Reading {
+    int distance_mm = 0;
+    int angle_deg = 0;
+  };
+
+  explicit WheelEstimator(const Parameters& parameters);
+
+  // Before the first motion, and after the wheels were out of our hands.
+  void reset() noexcept CARGOBAY_NONBLOCKING;
+
+  // One tick of the robot has passed and its frame is here. `command`: what was sent on the frame
+  // before. `reading`: what the frame carries; nothing where it does not read the counters.
+  void step(const WheelSpeeds& command,
+            const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
+
+  // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
+  void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
+
+  WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING;
+  RemainderBelief belief() const noexcept CARGOBAY_NONBLOCKING { return belief_; }
+  // Evidence for `carried` over `lost`, natural logarithm of the odds.
+  double log_odds_carried() const noexcept CARGOBAY_NONBLOCKING { return log_odds_; }
+  // Readings that no robot can make, and that were taken for unseen.
+  std::uint64_t rejected() const noexcept CARGOBAY_NONBLOCKING { return rejected_; }
+  // Standard deviation that the filter itself states for one wheel's speed.
+  double speed_sd_mm_s() const noexcept CARGOBAY_NONBLOCKING;
+
+ private:
+  struct Hypothesis {
+    Remainder remainder = Remainder::carried;
+    AxisFilter distance;
+    AxisFilter turn;
+  };
+  void predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBLOCKING;
+  bool plausible(const Reading& reading) const noexcept CARGOBAY_NONBLOCKING;
+  void read_unseen() noexcept CARGOBAY_NONBLOCKING;
+  void weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING;
+  double carried_weight() const noexcept CARGOBAY_NONBLOCKING;
+
+  Parameters parameters_;
+  Hypothesis carried_;
+  Hypothesis lost_;
+  WheelSpeeds sent_{};  // the command that acts at the start of the next tick
+  double log_odds_ = 0.0;
+  RemainderBelief belief_ = RemainderBelief::unknown;
+  int ticks_since_read_ = 0;
+  std::uint64_t rejected_ = 0;
+  bool reading_unsure_ = false;  // a read may have gone unseen: the next says nothing
+};
+
+}  // namespace cargobay::rt

@@ -1,0 +1,66 @@
+#include "rt/wheel_loop.hpp"
+
+#include <cmath>
+
+namespace cargobay::rt {
+namespace {
+
+constexpr double kMoving = 1.0;  // mm/s: a wheel that is asked for more is taken to move
+
+}  // namespace
+
+WheelLoop::WheelLoop(const Parameters& parameters)
+    : parameters_{parameters},
+      estimator_{parameters.estimator},
+      schedule_{parameters.schedule},
+      left_{SlewLimiter{parameters.acceleration_mm_s2}, VelocityController{parameters.controller}},
+      right_{SlewLimiter{parameters.acceleration_mm_s2},
+             VelocityController{parameters.controller}} {}
+
+void WheelLoop::lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
+  constexpr int kMostSteps = 100;  // longer than any silence the cycle survives
+  for (int i = 0; i < ticks && i < kMostSteps; ++i) estimator_.step_lost(command_, may_have_read);
+}
+
+void WheelLoop::frame(const std::optional<WheelEstimator::Reading>& reading) noexcept
+    CARGOBAY_NONBLOCKING {
+  estimator_.step(command_, reading);
+}
+
+double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,
+                              const Parameters& parameters) noexcept CARGOBAY_NONBLOCKING {
+  const double former_mm_s = slew.speed_mm_s();
+  const double set_mm_s = slew.step(target_mm_s, parameters.controller.tick_s);
+  // What the integral learnt in one direction is wrong in the other.
+  if (set_mm_s == 0.0 || set_mm_s * former_mm_s < 0.0) controller.reset();
+  if (set_mm_s == 0.0) return 0.0;
+  if (parameters.feedback == Feedback::open) return std::round(set_mm_s);
+  return std::round(controller.step(set_mm_s, slew.rate_mm_s2(), estimate_mm_s));
+}
+
+WheelSpeeds WheelLoop::control(const WheelSpeeds& target) noexcept CARGOBAY_NONBLOCKING {
+  const WheelSpeeds now = estimate();
+  command_ = {left_.step(target.left_mm_s, now.left_mm_s, parameters_),
+              right_.step(target.right_mm_s, now.right_mm_s, parameters_)};
+  return command_;
+}
+
+void WheelLoop::stop() noexcept CARGOBAY_NONBLOCKING {
+  command_ = {};
+  for (Wheel* wheel : {&left_, &right_}) {
+    wheel->slew.reset(0.0);
+    wheel->controller.reset();
+  }
+}
+
+bool WheelLoop::next_reads() noexcept CARGOBAY_NONBLOCKING {
+  using Motion = ReadSchedule::Motion;
+  const bool moving =
+      std::abs(command_.left_mm_s) > kMoving || std::abs(command_.right_mm_s) > kMoving;
+  const bool changing = left_.slew.rate_mm_s2() != 0.0 || right_.slew.rate_mm_s2() != 0.0;
+  return schedule_.next_reads(belief(), !moving    ? Motion::none
+                                        : changing ? Motion::changing
+                                                   : Motion::steady);
+}
+
+}  // namespace cargobay::rt

@@ -1,0 +1,70 @@
+// The closed velocity loop of both wheels: estimator, read schedule, acceleration limit and
+// controllers, one step a tick of the robot. Knows no clock, no bytes and no port, so that what was
+// recorded can be replayed bit for bit.
+#pragma once
+
+#include <optional>
+
+#include "rt/nonblocking.hpp"
+#include "rt/read_schedule.hpp"
+#include "rt/slew_limiter.hpp"
+#include "rt/velocity_controller.hpp"
+#include "rt/wheel_estimator.hpp"
+#include "rt/wheel_speeds.hpp"
+
+namespace cargobay::rt {
+
+class WheelLoop {
+ public:
+  // Whether the estimate takes part in the command.
+  enum class Feedback { closed, open };
+
+  struct Parameters {
+    WheelEstimator::Parameters estimator{};
+    VelocityController::Parameters controller{};
+    ReadSchedule::Parameters schedule{};
+    double acceleration_mm_s2 = 1000.0;
+    Feedback feedback = Feedback::closed;
+  };
+
+  explicit WheelLoop(const Parameters& parameters);
+
+  // What one tick brought: call these first, in this order, ...
+  void lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
+  void frame(const std::optional<WheelEstimator::Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
+  // ... and this once behind them. Returns the command for the wheels, whole mm/s within the
+  // robot's range. A target of 0 reached by the acceleration limit is a command of exactly 0.
+  WheelSpeeds control(const WheelSpeeds& target) noexcept CARGOBAY_NONBLOCKING;
+  // The command could not be sent: the former one still acts.
+  void not_sent(const WheelSpeeds& former) noexcept CARGOBAY_NONBLOCKING { command_ = former; }
+
+  // The wheels were told to stop, past the acceleration limit: they start anew from standing.
+  void stop() noexcept CARGOBAY_NONBLOCKING;
+
+  WheelSpeeds estimate() const noexcept CARGOBAY_NONBLOCKING { return estimator_.speeds(); }
+  // The target behind the acceleration limit.
+  WheelSpeeds set() const noexcept CARGOBAY_NONBLOCKING {
+    return {left_.slew.speed_mm_s(), right_.slew.speed_mm_s()};
+  }
+  WheelSpeeds command() const noexcept CARGOBAY_NONBLOCKING { return command_; }
+  RemainderBelief belief() const noexcept CARGOBAY_NONBLOCKING { return estimator_.belief(); }
+  // Whether the frame of the next tick shall read the counters; once a tick.
+  bool next_reads() noexcept CARGOBAY_NONBLOCKING;
+
+ private:
+  struct Wheel {
+    SlewLimiter slew;
+    VelocityController controller;
+    double step(double target_mm_s, double estimate_mm_s,
+                const Parameters& parameters) noexcept CARGOBAY_NONBLOCKING;
+  };
+
+  Parameters parameters_;
+  WheelEstimator estimator_;
+  ReadSchedule schedule_;
+  Wheel left_;
+  Wheel right_;
+  WheelSpeeds command_{};
+};
+
+}  // namespace cargobay::rt

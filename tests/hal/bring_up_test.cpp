@@ -1,0 +1,151 @@
+#include "hal/bring_up.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hal/frame_lists.hpp"
+#include "hal/sim/device.hpp"
+#include "hal/sim/virtual_link.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using testing::HasSubstr;
+
+class BringUp : public testing::Test {
+ protected:
+  Result<BringUpReport> run(oi::Mode mode = oi::Mode::safe) {
+    return bring_up(link_, {.mode = mode, .packets = kReadingList});
+  }
+  void send(std::vector<std::uint8_t> bytes) {
+    (void)link_.write(bytes);
+    link_.advance(std::chrono::milliseconds{100});
+  }
+
+  sim::Device device_{sim::Parameters{}};
+  sim::VirtualLink link_{device_};
+};
+
+TEST_F(BringUp, LeadsFromOffToAStreamInSafe) {
+  ASSERT_EQ(device_.mode(), oi::Mode::off);
+  const auto report = run();
+  ASSERT_TRUE(report) << report.failure().message;
+  EXPECT_EQ(report->attempts, 1);
+  EXPECT_EQ(device_.mode(), oi::Mode::safe);
+  EXPECT_TRUE(device_.stream().running());
+}
+
+TEST_F(BringUp, LeadsToFullWhereAsked) {
+  ASSERT_TRUE(run(oi::Mode::full));
+  EXPECT_EQ(device_.mode(), oi::Mode::full);
+}
+
+TEST_F(BringUp, TellsEachStep) {
+  std::vector<std::string> steps;
+  ASSERT_TRUE(
+      bring_up(link_, {.packets = kReadingList,
+                       .progress = [&steps](std::string_view step) { steps.emplace_back(step); }}));
+  EXPECT_THAT(steps, testing::ElementsAre("Start", "Safe", "Stream"));
+}
+
+TEST_F(BringUp, TakesOverARobotThatIsInFullAndStreamsSomethingElse) {
+  send({128, 132, 148, 2, 29, 13});
+  ASSERT_EQ(device_.mode(), oi::Mode::full);
+  ASSERT_TRUE(run());
+  EXPECT_EQ(device_.mode(), oi::Mode::safe);
+}
+
+TEST_F(BringUp, FreesARobotStuckInAHalfSentScript) {
+  send({128, 152, 100});
+  const auto report = run();
+  ASSERT_TRUE(report) << report.failure().message;
+  EXPECT_EQ(report->attempts, 2);
+}
+
+TEST_F(BringUp, FreesARobotStuckInAHalfSentSong) {
+  send({128, 140, 0, 16});
+  ASSERT_TRUE(run());
+}
+
+TEST_F(BringUp, RefusesAStreamThatDoesNotFit) {
+  ASSERT_FALSE(link_.set_baud(4800));
+  const auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.failure().message, HasSubstr("11 bytes every 15 ms do not fit 4800 baud"));
+  EXPECT_THAT(report.failure().message, HasSubstr("choose 9600 baud or more"));
+  EXPECT_EQ(device_.counters().bytes_received, 0U);
+}
+
+TEST_F(BringUp, RefusesTheRateAtWhichTheRobotDropsBytes) {
+  ASSERT_FALSE(link_.set_baud(115200));
+  const auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.failure().message, HasSubstr("choose 57600"));
+}
+
+TEST_F(BringUp, SaysThatTheRateMayBeWrong) {
+  ASSERT_FALSE(link_.set_baud(19200));  // the robot listens at 57600
+  const auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.failure().message, HasSubstr("19200 baud"));
+  EXPECT_THAT(report.failure().message, HasSubstr("try --baud 57600"));
+}
+
+TEST_F(BringUp, SaysThatTheRobotIsSilent) {
+  device_.output().clear();
+  sim::Device dead{sim::Parameters{.power_on = sim::PowerOn::never}};
+  sim::VirtualLink dead_link{dead};
+  const auto report = bring_up(dead_link, {.packets = kReadingList});
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.failure().message, HasSubstr("silent at 57600 baud"));
+  EXPECT_THAT(report.failure().message, HasSubstr("switched on"));
+}
+
+TEST_F(BringUp, SaysThatTheRobotStaysPassive) {
+  device_.inputs().wheel_drop_left = true;
+  const auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.failure().message, HasSubstr("stays in passive mode instead of safe"));
+  EXPECT_THAT(report.failure().message, HasSubstr("wheels"));
+}
+
+TEST_F(BringUp, SaysThatThePortHungUp) {
+  link_.hang_up();
+  const auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.failure().message, HasSubstr("hung up"));
+}
+
+TEST_F(BringUp, LeavesTheRobotPassiveAfterAFailure) {
+  send({128, 132, 145, 0, 200, 0, 200});
+  device_.inputs().wheel_drop_left = true;  // Full does not mind, Safe will
+  link_.advance(std::chrono::seconds{1});
+  ASSERT_NE(device_.commanded(), rt::WheelSpeeds{});
+  ASSERT_FALSE(run());
+  link_.advance(std::chrono::milliseconds{100});
+  EXPECT_EQ(device_.mode(), oi::Mode::passive);
+  EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{});
+}
+
+TEST_F(BringUp, LeaveStopsTheWheelsAndGoesPassive) {
+  ASSERT_TRUE(run(oi::Mode::full));
+  send({145, 0, 200, 0, 200});
+  ASSERT_EQ(device_.commanded(), (rt::WheelSpeeds{200.0, 200.0}));
+  EXPECT_TRUE(leave(link_));
+  EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{});
+  EXPECT_EQ(device_.mode(), oi::Mode::passive);
+  EXPECT_FALSE(device_.stream().running());
+}
+
+TEST_F(BringUp, LeaveSaysWhereNobodyConfirms) {
+  ASSERT_TRUE(run());
+  link_.hang_up();
+  EXPECT_FALSE(leave(link_));
+}
+
+}  // namespace
+}  // namespace cargobay::hal

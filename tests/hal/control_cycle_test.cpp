@@ -1,0 +1,254 @@
+#include "hal/control_cycle.hpp"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/hal/virtual_drive.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using test::DriveResult;
+using test::VirtualDrive;
+
+rt::WheelSpeeds forward(double /*seconds*/) { return {200.0, 200.0}; }
+
+void expect_stopped(const VirtualDrive& drive) {
+  EXPECT_EQ(drive.device.mode(), oi::Mode::passive);
+  EXPECT_EQ(drive.device.commanded(), rt::WheelSpeeds{});
+}
+
+TEST(ControlCycle, AnswersEachFrameWithOneCommand) {
+  VirtualDrive drive{sim::Parameters{}};
+  const DriveResult result = drive.run(300, forward);
+  EXPECT_EQ(result.frames.good, 300U);
+  EXPECT_EQ(result.frames.late, 0U);
+  // One a frame, then the stop of the cycle and that of leave().
+  EXPECT_EQ(result.commands.size(), 302U);
+  expect_stopped(drive);
+}
+
+TEST(ControlCycle, NeverSendsTwoCommandsInOneTick) {
+  for (const auto kind : {sim::Remainder::carried, sim::Remainder::lost}) {
+    VirtualDrive drive{sim::Parameters{.remainder = kind}};
+    const DriveResult result = drive.run(1000, forward);
+    std::map<std::uint64_t, int> in_tick;
+    for (std::size_t i = 0; i + 2 < result.commands.size(); ++i) ++in_tick[result.commands[i].tick];
+    for (const auto& [tick, count] : in_tick) EXPECT_EQ(count, 1) << "in tick " << tick;
+  }
+}
+
+TEST(ControlCycle, LimitsAcceleration) {
+  VirtualDrive drive{sim::Parameters{}};
+  ControlCycle::Parameters parameters;
+  parameters.loop.acceleration_mm_s2 = 400.0;
+  const DriveResult result = drive.run(200, forward, parameters);
+  double before = 0.0;
+  for (const test::Tick& tick : result.ticks) {
+    EXPECT_LE(std::abs(tick.state.set.left_mm_s - before), 400.0 * 0.015 + 1e-9);
+    before = tick.state.set.left_mm_s;
+  }
+  EXPECT_EQ(before, 200.0);
+}
+
+TEST(ControlCycle, StandsStillForAControlFunctionThatReturnsNoNumber) {
+  VirtualDrive drive{sim::Parameters{}};
+  const DriveResult result = drive.run(
+      100, [](double) { return rt::WheelSpeeds{std::numeric_limits<double>::quiet_NaN(), 100.0}; });
+  EXPECT_EQ(result.ticks.back().state.command, rt::WheelSpeeds{});
+}
+
+TEST(ControlCycle, StandsStillForAControlFunctionThatAsksTooMuch) {
+  VirtualDrive drive{sim::Parameters{}};
+  const DriveResult result = drive.run(100, [](double) { return rt::WheelSpeeds{501.0, 0.0}; });
+  EXPECT_EQ(result.ticks.back().state.command, rt::WheelSpeeds{});
+}
+
+// Runs a cycle that follows setpoints, not a control function: `each` is called for every frame
+// that arrives and may end it.
+class Damage {
+ public:
+  explicit Damage(VirtualDrive& drive) : drive_{drive} {
+    drive_.on_frame = [this](int frame, ControlCycle&) { frame_ = frame; };
+  }
+  int frame() const { return frame_; }
+
+ private:
+  VirtualDrive& drive_;
+  int frame_ = 0;
+};
+
+TEST(ControlCycle, CountsAndSurvivesDamagedFrames) {
+  VirtualDrive drive{sim::Parameters{}};
+  std::mt19937 random{7};
+  int flipped = 0;
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) {
+    if (bytes.size() == kFrameBytes && random() % 10 == 0) {
+      bytes[2 + random() % 8] ^= 0x40;
+      ++flipped;
+    }
+    return bytes.size();
+  };
+  const std::uint64_t before = drive.device.counters().frames_sent;
+  const DriveResult result = drive.run(1000, forward);
+  ASSERT_TRUE(result.brought_up);
+  EXPECT_EQ(before, 0U);
+  EXPECT_EQ(result.end, CycleEnd::asked);
+  EXPECT_GE(result.frames.good, 1000U);
+  EXPECT_GT(flipped, 50);
+  // Those of bring-up were not the cycle's, and the last may still have been waiting for its proof.
+  EXPECT_LE(result.frames.bad + result.frames.lost, static_cast<std::uint64_t>(flipped));
+  EXPECT_GE(result.frames.bad + result.frames.lost + 3, static_cast<std::uint64_t>(flipped));
+  const rt::WheelSpeeds truth = result.ticks.back().truth;
+  EXPECT_NEAR(truth.left_mm_s, 200.0, 10.0);
+  EXPECT_NEAR(truth.right_mm_s, 200.0, 10.0);
+  expect_stopped(drive);
+}
+
+TEST(ControlCycle, CountsLostFrames) {
+  VirtualDrive drive{sim::Parameters{}};
+  Damage progress{drive};
+  int dropped = 0;
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) -> std::size_t {
+    if (progress.frame() > 100 && progress.frame() % 50 == 0 && dropped < progress.frame() / 50) {
+      ++dropped;
+      return 0;
+    }
+    return bytes.size();
+  };
+  const DriveResult result = drive.run(1000, forward);
+  EXPECT_EQ(result.end, CycleEnd::asked);
+  EXPECT_GT(dropped, 10);
+  EXPECT_LE(result.frames.lost, static_cast<std::uint64_t>(dropped));
+  EXPECT_GE(result.frames.lost + 1, static_cast<std::uint64_t>(dropped));
+  EXPECT_EQ(result.frames.bad, 0U);
+}
+
+TEST(ControlCycle, StopsTheWheelsInSilenceAndGoesOnBehindIt) {
+  VirtualDrive drive{sim::Parameters{}};
+  Damage progress{drive};
+  int swallowed = 0;
+  rt::WheelSpeeds in_silence{1.0, 1.0};
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) -> std::size_t {
+    if (progress.frame() != 200 || swallowed >= 20) return bytes.size();
+    ++swallowed;
+    in_silence = drive.device.commanded();
+    return 0;
+  };
+  const DriveResult result = drive.run(500, forward);
+  EXPECT_EQ(result.end, CycleEnd::asked);
+  EXPECT_EQ(in_silence, rt::WheelSpeeds{});
+  EXPECT_NEAR(static_cast<double>(result.frames.lost), 20.0, 1.0);
+  EXPECT_NEAR(result.ticks.back().truth.left_mm_s, 200.0, 10.0);
+  // From standing, by the acceleration limit: no jump.
+  const std::size_t behind = 201;
+  EXPECT_LT(result.ticks[behind].state.set.left_mm_s, 50.0);
+}
+
+TEST(ControlCycle, EndsWhereTheRobotFallsSilent) {
+  VirtualDrive drive{sim::Parameters{}};
+  Damage progress{drive};
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) -> std::size_t {
+    return progress.frame() >= 200 ? 0 : bytes.size();
+  };
+  const DriveResult result = drive.run(1000, forward);
+  EXPECT_EQ(result.end, CycleEnd::link_lost);
+  EXPECT_EQ(result.ticks.size(), 200U);
+  expect_stopped(drive);
+}
+
+TEST(ControlCycle, EndsWhereThePortHangsUp) {
+  VirtualDrive drive{sim::Parameters{}};
+  drive.on_frame = [&drive](int frame, ControlCycle&) {
+    if (frame == 100) drive.link.hang_up();
+  };
+  const DriveResult result = drive.run(1000, forward);
+  EXPECT_EQ(result.end, CycleEnd::hung_up);
+  EXPECT_FALSE(result.confirmed_passive);
+}
+
+TEST(ControlCycle, EndsWhereTheRobotLeavesItsMode) {
+  VirtualDrive drive{sim::Parameters{}};
+  drive.on_frame = [&drive](int frame, ControlCycle&) {
+    if (frame == 100) drive.device.inputs().cliff_front_left.cliff = true;
+  };
+  const DriveResult result = drive.run(1000, forward);
+  EXPECT_EQ(result.end, CycleEnd::mode_lost);
+  EXPECT_LE(result.ticks.size(), 103U);
+  expect_stopped(drive);
+}
+
+TEST(ControlCycle, DrivesOverACliffInFull) {
+  VirtualDrive drive{sim::Parameters{}};
+  drive.on_frame = [&drive](int frame, ControlCycle&) {
+    if (frame == 100) drive.device.inputs().cliff_front_left.cliff = true;
+  };
+  const DriveResult result = drive.run(300, forward, {.drive_mode = oi::Mode::full});
+  EXPECT_EQ(result.end, CycleEnd::asked);
+  expect_stopped(drive);
+}
+
+// Setpoints from outside, without a control function.
+class Setpoints : public testing::Test {
+ protected:
+  // Runs for so many frames; `each` is called before the frame is read.
+  CycleEnd run(int frames, std::function<void(int)> each) {
+    EXPECT_TRUE(bring_up(link_, {.packets = kReadingList}));
+    EXPECT_FALSE(link_.set_wake_threshold(kFrameBytes));
+    int frame = 0;
+    line_.damage = [&](std::span<std::uint8_t> bytes) {
+      each(++frame);
+      if (frame >= frames) cycle_.request_stop();
+      return bytes.size();
+    };
+    return cycle_.run();
+  }
+
+  sim::Device device_{sim::Parameters{}};
+  sim::VirtualLink link_{device_};
+  test::DamagedStream line_{link_};
+  ControlCycle cycle_{line_, {}};
+};
+
+TEST_F(Setpoints, LapseAfterHalfASecond) {
+  std::map<int, rt::WheelSpeeds> commanded;
+  run(100, [&](int frame) {
+    if (frame == 1) {
+      EXPECT_TRUE(cycle_.set_speeds({200.0, 200.0}));
+    }
+    commanded[frame] = device_.commanded();
+  });
+  EXPECT_NE(commanded[33], rt::WheelSpeeds{});  // 0.48 s
+  EXPECT_EQ(commanded[60], rt::WheelSpeeds{});  // and the acceleration limit behind it
+}
+
+TEST_F(Setpoints, LastWhileTheyAreRenewed) {
+  run(200, [&](int frame) {
+    if (frame % 20 == 1) {
+      EXPECT_TRUE(cycle_.set_speeds({200.0, 200.0}));
+    }
+    if (frame > 30) {
+      EXPECT_GT(device_.commanded().left_mm_s, 150.0);
+    }
+  });
+}
+
+TEST_F(Setpoints, AreNoneAtTheStart) {
+  run(50, [&](int) { EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{}); });
+  EXPECT_TRUE(cycle_.state()->setpoint_lapsed);
+}
+
+TEST_F(Setpoints, AreRefusedOutOfRange) {
+  EXPECT_FALSE(cycle_.set_speeds({500.5, 0.0}));
+  EXPECT_FALSE(cycle_.set_speeds({0.0, -500.5}));
+  EXPECT_FALSE(cycle_.set_speeds({std::numeric_limits<double>::quiet_NaN(), 0.0}));
+  EXPECT_FALSE(cycle_.set_speeds({0.0, std::numeric_limits<double>::infinity()}));
+  EXPECT_TRUE(cycle_.set_speeds({500.0, -500.0}));
+}
+
+}  // namespace
+}  // namespace cargobay::hal

@@ -1,0 +1,88 @@
+// A byte stream on which what the robot sends is held up on its way to the host: by an adapter that
+// hands over now and then, by a kernel that has other things to do. In virtual time.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "hal/byte_stream.hpp"
+#include "hal/sim/virtual_link.hpp"
+
+namespace cargobay::hal::test {
+
+class HeldStream final : public ByteStream {
+ public:
+  explicit HeldStream(sim::VirtualLink& link) : link_{link} {}
+
+  // When the bytes that arrive at a time are handed over: not before that time, and in order. At
+  // once where empty.
+  std::function<rt::TimePoint(rt::TimePoint arrival)> hand_over{};
+
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+    for (;;) {
+      release();
+      if (ready_ >= wake_threshold_) return Wait::ready;
+      if (now() >= deadline) return Wait::timed_out;
+      const bool holds = ready_ < bytes_.size();
+      const rt::TimePoint next =
+          holds ? std::min(deadline, std::max(bytes_[ready_].due, now())) : deadline;
+      if (link_.wait(next) == Wait::hung_up) return Wait::hung_up;
+      take();
+    }
+  }
+  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    release();
+    const std::size_t count = std::min(bytes.size(), ready_);
+    for (std::size_t i = 0; i < count; ++i) bytes[i] = bytes_[i].value;
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(count));
+    ready_ -= count;
+    return {.count = count};
+  }
+  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return link_.write(bytes);
+  }
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return link_.now(); }
+
+  std::uint32_t baud() const override { return link_.baud(); }
+  std::error_code set_baud(std::uint32_t baud) override { return link_.set_baud(baud); }
+  std::error_code set_wake_threshold(std::size_t bytes) override {
+    wake_threshold_ = bytes;
+    return {};
+  }
+  void discard_input() override {
+    link_.discard_input();
+    bytes_.clear();
+    ready_ = 0;
+  }
+  bool drain(rt::Duration timeout) override { return link_.drain(timeout); }
+
+ private:
+  struct Held {
+    rt::TimePoint due{};
+    std::uint8_t value = 0;
+  };
+
+  // The link wakes for each byte, so now is when it arrived.
+  void take() {
+    std::uint8_t byte = 0;
+    while (link_.read({&byte, 1}).count == 1) {
+      rt::TimePoint due = hand_over ? hand_over(now()) : now();
+      if (!bytes_.empty()) due = std::max(due, bytes_.back().due);
+      bytes_.push_back({due, byte});
+    }
+  }
+  void release() {
+    take();
+    while (ready_ < bytes_.size() && bytes_[ready_].due <= now()) ++ready_;
+  }
+
+  sim::VirtualLink& link_;
+  std::vector<Held> bytes_;  // in order; the first ready_ of them can be read
+  std::size_t ready_ = 0;
+  std::size_t wake_threshold_ = 1;
+};
+
+}  // namespace cargobay::hal::test

@@ -1,0 +1,91 @@
+// Drives the virtual Create in virtual time through the shipping path: bring-up, control cycle,
+// leaving.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "hal/bring_up.hpp"
+#include "hal/control_cycle.hpp"
+#include "hal/sim/device.hpp"
+#include "hal/sim/virtual_link.hpp"
+#include "oi/stream_budget.hpp"
+#include "tests/hal/damaged_stream.hpp"
+
+namespace cargobay::hal::test {
+
+struct Tick {
+  CycleState state{};
+  rt::WheelSpeeds truth{};  // at the robot's tick whose frame this was
+};
+
+struct DriveResult {
+  bool brought_up = false;
+  CycleEnd end = CycleEnd::asked;
+  bool confirmed_passive = false;
+  FrameCounters frames{};
+  std::vector<Tick> ticks{};
+  std::vector<sim::DriveRecord> commands{};
+};
+
+class VirtualDrive {
+ public:
+  explicit VirtualDrive(const sim::Parameters& plant) : device{plant}, link{device} {
+    device.on_tick = [this](const sim::Device& it) { truth_ = it.truth().speeds; };
+    device.on_drive = [this](const sim::DriveRecord& record) {
+      result_.commands.push_back(record);
+    };
+  }
+
+  // Called once a frame on the control thread, before the target is asked for.
+  std::function<void(int frame, ControlCycle&)> on_frame{};
+
+  // Drives by `target` (robot time in seconds to wheel speeds) for so many frames.
+  DriveResult run(int frames, std::function<rt::WheelSpeeds(double)> target,
+                  ControlCycle::Parameters parameters = {}) {
+    target_ = std::move(target);
+    frames_left_ = frames;
+    const auto report = bring_up(line, {.mode = parameters.drive_mode, .packets = kReadingList});
+    result_.brought_up = static_cast<bool>(report);
+    if (!report) return result_;
+    parameters.loop.estimator.input_delay_s =
+        rt::seconds(oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, link.baud()));
+    EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
+    const auto cycle = std::make_unique<ControlCycle>(line, parameters);
+    cycle_ = cycle.get();
+    cycle_->set_control({.function = &VirtualDrive::control, .context = this});
+    result_.end = cycle_->run();
+    EXPECT_FALSE(link.set_wake_threshold(1));
+    line.damage = {};
+    result_.confirmed_passive = leave(line);
+    result_.frames = cycle_->frames();
+    CycleState state;
+    for (std::size_t i = 0; cycle_->next_state(state) && i < truths_.size(); ++i) {
+      result_.ticks.push_back({state, truths_[i]});
+    }
+    return result_;
+  }
+
+  sim::Device device;
+  sim::VirtualLink link;
+  DamagedStream line{link};  // undamaged unless told
+
+ private:
+  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
+                                 double seconds) noexcept {
+    auto& self = *static_cast<VirtualDrive*>(context);
+    self.truths_.push_back(self.truth_);
+    if (self.on_frame) self.on_frame(static_cast<int>(self.truths_.size()), *self.cycle_);
+    if (--self.frames_left_ <= 0) self.cycle_->request_stop();
+    return self.target_(seconds);
+  }
+
+  std::function<rt::WheelSpeeds(double)> target_;
+  int frames_left_ = 0;
+  ControlCycle* cycle_ = nullptr;
+  rt::WheelSpeeds truth_{};
+  std::vector<rt::WheelSpeeds> truths_;
+  DriveResult result_;
+};
+
+}  // namespace cargobay::hal::test

@@ -1,0 +1,98 @@
+#!/usr/bin/env bash
+# Every #include of the four layers against the arrows of docs/design.md.
+# usage: check.sh [ROOT]; prints FILE:LINE: reason for each violation, exit 1 if there is any.
+set -euo pipefail
+
+root=${1:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)}
+cd "$root"
+
+for layer in oi rt gpio hal; do
+  [[ -d $layer ]] || { echo "check.sh: $root has no folder $layer" >&2; exit 2; }
+done
+
+mapfile -t files < <(find oi rt gpio hal -type f \
+  \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' -o -name '*.inc' \) | sort)
+((${#files[@]})) || { echo "check.sh: no sources under $root" >&2; exit 2; }
+
+awk '
+function has(list, word) { return index(" " list " ", " " word " ") > 0 }
+function bad(reason) { printf "%s:%d: %s\n", FILENAME, FNR, reason; found = 1 }
+
+BEGIN {
+  # What oi may use: no I/O, no clock, no heap, no exceptions.
+  pure = "algorithm array bit bitset cassert cctype charconv chrono climits cmath compare concepts" \
+         " cstddef cstdint cstring initializer_list iterator limits numbers numeric optional ranges" \
+         " ratio span string_view system_error tuple type_traits utility variant version"
+  standard = pure " any atomic barrier cerrno cfenv cfloat cinttypes clocale complex" \
+         " condition_variable coroutine csetjmp csignal cstdarg cstdio cstdlib ctime cuchar cwchar" \
+         " cwctype deque exception execution filesystem forward_list fstream functional future" \
+         " iomanip ios iosfwd iostream istream latch list locale map memory memory_resource mutex" \
+         " new ostream queue random regex scoped_allocator semaphore set shared_mutex" \
+         " source_location sstream stack stdexcept stop_token streambuf string strstream" \
+         " syncstream thread typeindex typeinfo unordered_map unordered_set valarray vector"
+  # C, POSIX, the kernel and the compiler, by name or by folder.
+  posix = "assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h float.h getopt.h grp.h inttypes.h" \
+         " limits.h locale.h malloc.h math.h mqueue.h poll.h pthread.h pty.h pwd.h sched.h" \
+         " semaphore.h setjmp.h signal.h stdarg.h stdbool.h stddef.h stdint.h stdio.h stdlib.h" \
+         " string.h strings.h syslog.h termios.h time.h unistd.h utmp.h wchar.h"
+}
+
+FNR == 1 {
+  layer = FILENAME; sub(/\/.*/, "", layer)
+  room = FILENAME; sub(/\/[^\/]*$/, "", room)        # oi, hal, hal/sim, hal/cli, ...
+  header = FILENAME !~ /\.(cpp|c)$/
+}
+
+/^[ \t]*#[ \t]*(include|import|include_next)/ {
+  line = $0
+  sub(/^[ \t]*#[ \t]*[a-z_]+[ \t]*/, "", line)
+  if (line ~ /^"/) {
+    sub(/^"/, "", line); sub(/".*/, "", line); ours(line)
+  } else if (line ~ /^</) {
+    sub(/^</, "", line); sub(/>.*/, "", line); theirs(line)
+  } else {
+    bad("computed include: name the file")
+  }
+}
+
+function ours(path,   to, to_room) {
+  to = path; sub(/\/.*/, "", to)
+  to_room = path; sub(/\/[^\/]*$/, "", to_room)
+  if (path ~ /(^|\/)\.\.?\// || !has("oi rt gpio hal", to) || to == path) {
+    bad("\"" path "\" is not a path from the repository root into a layer"); return
+  }
+  if (layer != "hal" && to != layer) { bad(layer " must not include " to " (" path ")"); return }
+  if (layer == "hal") {
+    if (to_room ~ /^hal\/cli/ && room !~ /^hal\/cli/) { bad(room " must not include hal/cli (" path ")"); return }
+    if (to_room ~ /^hal\/c$/ && room !~ /^hal\/c(li)?$/) { bad(room " must not include hal/c (" path ")"); return }
+    if (to_room ~ /^hal\/sim/ && room == "hal") { bad("nothing above the transport knows the simulation (" path ")"); return }
+  }
+  if ((getline ignored < path) < 0) bad("no such file: " path)
+  close(path)
+}
+
+function theirs(path) {
+  if (path ~ /^(oi|rt|gpio|hal)\//) { bad("ours goes in quotes: " path); return }
+  if (layer == "oi") {
+    if (!has(pure, path)) bad("oi does no I/O, has no clock and no heap: <" path ">")
+    return
+  }
+  if (has(standard, path) || has(posix, path) || path ~ /^(sys|linux|asm|net|netinet|arpa|sanitizer)\/[a-z_0-9-]+\.h$/) return
+  if (path ~ /^Eigen\//) {
+    if (layer != "rt") bad("Eigen belongs to rt: <" path ">")
+    return
+  }
+  if (path ~ /^(CLI|toml\+\+|nlohmann|fmt)\//) {
+    if (room !~ /^hal\/cli/ && FILENAME !~ /^hal\/config[^\/]*$/) bad("only hal/cli and hal/config* may include <" path ">")
+    else if (header) bad("third-party header in a header: <" path ">")
+    return
+  }
+  if (path == "gpiod.h" && layer == "gpio" || path == "libserialport.h" && layer == "hal") {
+    if (header) bad("third-party header in a header: <" path ">")
+    return
+  }
+  bad(layer " does not know <" path ">")
+}
+
+END { exit found }
+' "${files[@]}"

@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# Layout and names of the whole tree.
+# usage: tests/lint.sh [--format] [--tidy] [--proof] [--fix] [FILE...]
+#   --format  clang-format, file names, shell syntax
+#   --tidy    clang-tidy over every source and every header (or over FILE...)
+#   --proof   shows with planted violations that both fire
+#   --fix     lets clang-format rewrite the files
+# With none of these: format, tidy and proof.
+set -euo pipefail
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+clang_format=${CLANG_FORMAT:-clang-format-22}
+clang_tidy=${CLANG_TIDY:-clang-tidy-22}
+jobs=$(nproc)
+
+sources() {
+  find oi rt gpio hal tests examples -type f \
+    \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) -print | sort
+}
+
+need() {
+  command -v "$1" > /dev/null && return
+  echo "lint.sh: $1 is missing: run .ci/packages.sh test" >&2
+  exit 2
+}
+
+check_format() {
+  need "$clang_format"
+  local failed=0 file
+  # One line a place; the quoted source lines are left out.
+  sources | xargs --no-run-if-empty "$clang_format" --dry-run -Werror 2>&1 |
+    { grep -E '^[^ ].*(error|warning):' || true; } || failed=1
+  # Files are lower_case; macros live in hal/c/cargobay.h.
+  while read -r file; do
+    echo "$file: a file is named in lower_case"
+    failed=1
+  done < <(sources | grep -vE '/[a-z0-9_]+\.(hpp|cpp|h|c)$' || true)
+  while read -r file; do
+    bash -n "$file" || failed=1
+    [[ -x $file ]] || { echo "$file: not executable"; failed=1; }
+  done < <(find .ci tests examples -name '*.sh' | sort)
+  return "$failed"
+}
+
+# tidy_one FILE: quiet when there is nothing to say.
+tidy_one() {
+  local output
+  output=$("$clang_tidy" -p build/tidy --quiet "$1" 2>&1) && return
+  printf '%s\n' "$output" | grep -vE '^[0-9]+ warnings? (generated|treated as errors?)|^Suppressed ' || true
+  return 1
+}
+
+check_tidy() {
+  need "$clang_tidy"
+  cmake --preset tidy > build/tidy.log 2>&1 || { cat build/tidy.log; return 1; }
+  local files
+  if (($#)); then
+    files=$(printf "$PWD/%s\n" "$@")
+  else
+    # Everything the build compiles, but not the stand-ins for empty layers. What is wrong on
+    # purpose (tests/sanitizers) or for the other libgpiod is not in it.
+    files=$(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/tidy/compile_commands.json |
+      grep -vE '/(empty|pch)\.cpp$' | sort -u)
+    local missing
+    missing=$(comm -23 <(sources | grep -E '\.cpp$' | sed "s|^|$PWD/|" | grep -vE '_v[12]\.cpp$|/tests/sanitizers/' | sort) \
+      <(sort <<< "$files"))
+    if [[ -n $missing ]]; then
+      echo "compiled by no target, so seen by no check:"
+      echo "$missing"
+      return 1
+    fi
+  fi
+  export clang_tidy
+  export -f tidy_one
+  # The product first; of the tests only names and layout are held to it so far (format, compiler).
+  (($#)) || files=$(grep -vE "^$PWD/tests/|/build/tidy/tests/" <<< "$files")
+  xargs -P "$jobs" -n 1 bash -c 'tidy_one "$1"' _ <<< "$files"
+}
+
+mkdir -p build
+do_format=0 do_tidy=0 do_proof=0 do_fix=0 files=()
+for argument in "$@"; do
+  case $argument in
+    --format) do_format=1 ;;
+    --tidy) do_tidy=1 ;;
+    --proof) do_proof=1 ;;
+    --fix) do_fix=1 ;;
+    -*) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2 ;;
+    *) do_tidy=1 files+=("$argument") ;;
+  esac
+done
+if ((do_format + do_tidy + do_proof + do_fix == 0)); then do_format=1 do_tidy=1 do_proof=1; fi
+
+status=0
+if ((do_fix)); then
+  need "$clang_format"
+  sources | xargs --no-run-if-empty -P "$jobs" -n 16 "$clang_format" -i
+fi
+if ((do_format)); then check_format || status=1; fi
+if ((do_proof)); then tests/lint/proof.sh || status=1; fi
+if ((do_tidy)); then check_tidy ${files[@]+"${files[@]}"} || status=1; fi
+exit "$status"

@@ -1,0 +1,174 @@
+#!/usr/bin/env bash
+# Shows that the lint fires: a misspelt check or option matches nothing and would stay green.
+set -euo pipefail
+
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+clang_format=${CLANG_FORMAT:-clang-format-22}
+clang_tidy=${CLANG_TIDY:-clang-tidy-22}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+failures=0
+fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
+
+mkdir -p "$scratch"/{oi,tests,bad}
+cp .clang-tidy .clang-format "$scratch"/
+cp tests/.clang-tidy "$scratch"/tests/
+cat > "$scratch/oi/planted.hpp" << 'CODE'
+#pragma once
+
+namespace cargobay::oi {
+
+class MisnamedMember {
+ public:
+  [[nodiscard]] int count() const { return withoutTrailing; }
+
+ private:
+  int withoutTrailing = 0;
+};
+
+}  // namespace cargobay::oi
+CODE
+cat > "$scratch/oi/planted.cpp" << 'CODE'
+#include "oi/planted.hpp"
+
+#define UNPREFIXED_MACRO 1
+
+namespace cargobay::oi {
+
+namespace BadNamespace {
+struct misnamed_type {
+  int PublicMember = 0;
+};
+}  // namespace BadNamespace
+
+enum class misnamed_enum { BadEnumerator };
+using misnamed_alias = int;
+
+inline constexpr int unprefixed_constant = 3;
+
+int MisnamedFunction(int BadParameter);
+
+int MisnamedFunction(int BadParameter) {
+  const int BadLocal = BadParameter;
+  int BadVariable = BadLocal;
+  BadVariable += unprefixed_constant;
+  return BadVariable;
+}
+
+template <typename bad_template_parameter>
+bad_template_parameter identity(bad_template_parameter value) {
+  return value;
+}
+
+template <int bad_value_parameter>
+int parameter_value() {
+  return bad_value_parameter;
+}
+
+void* null_pointer();
+
+void* null_pointer() { return 0; }
+
+}  // namespace cargobay::oi
+CODE
+cat > "$scratch/oi/good.cpp" << 'CODE'
+#include <cstdint>
+
+namespace cargobay::oi {
+
+struct WheelPair {
+  int left = 0;
+  int right = 0;
+};
+
+enum class Mode : std::uint8_t { passive, safe };
+
+inline constexpr int kMaxWheelSpeed = 500;
+
+class SpeedLimit {
+ public:
+  [[nodiscard]] int limited(int speed_mm_s) const {
+    constexpr int kSlack = 1;
+    constexpr const int& kSlackReference = kMaxWheelSpeed;
+    const int limit = limit_mm_s_ + kSlack + kSlackReference;
+    return speed_mm_s > limit ? limit : speed_mm_s;
+  }
+
+ private:
+  int limit_mm_s_ = kMaxWheelSpeed;
+};
+
+template <typename T>
+inline constexpr bool is_pair = false;
+
+template <int kCapacity>
+struct Buffer {
+  int size = kCapacity;
+};
+
+}  // namespace cargobay::oi
+CODE
+
+tidy() { "$clang_tidy" --quiet "$1" -- -std=c++20 -I"$scratch" 2>&1; }
+
+# 1. The planted names are reported, each by its kind; in a header too.
+if report=$(tidy "$scratch/oi/planted.cpp"); then fail "clang-tidy accepts the planted file"; fi
+expect() {
+  grep -qF "$1" <<< "$report" || fail "clang-tidy does not report: $1"
+}
+expect "invalid case style for struct 'misnamed_type'"
+expect "invalid case style for enum 'misnamed_enum'"
+expect "invalid case style for enum constant 'BadEnumerator'"
+expect "invalid case style for type alias 'misnamed_alias'"
+expect "invalid case style for global constant 'unprefixed_constant'"
+expect "invalid case style for function 'MisnamedFunction'"
+expect "invalid case style for parameter 'BadParameter'"
+expect "invalid case style for local constant 'BadLocal'"
+expect "invalid case style for local variable 'BadVariable'"
+expect "invalid case style for public member 'PublicMember'"
+expect "invalid case style for private member 'withoutTrailing'"
+expect "invalid case style for namespace 'BadNamespace'"
+expect "invalid case style for macro definition 'UNPREFIXED_MACRO'"
+expect "invalid case style for template parameter 'bad_template_parameter'"
+expect "invalid case style for value template parameter 'bad_value_parameter'"
+expect "[modernize-use-nullptr,-warnings-as-errors]"
+expect "[readability-identifier-naming,-warnings-as-errors]"
+
+# 2. What is named well is accepted.
+report=$(tidy "$scratch/oi/good.cpp") || fail "clang-tidy rejects the good file: $report"
+
+# 3. Every check and option named in the configuration exists, and a misspelt one is noticed.
+for config in .clang-tidy tests/.clang-tidy; do
+  report=$("$clang_tidy" --verify-config --config-file="$config" 2>&1) || fail "$config: $report"
+done
+misspell() {
+  sed "$1" .clang-tidy > "$scratch/bad/config"
+  cmp -s .clang-tidy "$scratch/bad/config" && fail "the misspelling $1 changed nothing"
+  if "$clang_tidy" --verify-config --config-file="$scratch/bad/config" > /dev/null 2>&1; then
+    fail "clang-tidy accepts the misspelling $1"
+  fi
+}
+misspell 's/misc-static-assert/misc-statc-assert/'
+misspell 's/readability-identifier-naming,/readability-identifer-naming,/'
+misspell 's/performance-\*/perfromance-*/'
+misspell 's/naming\.EnumConstantCase/naming.EnumConstanCase/'
+misspell "s/naming\.LocalVariableIgnoredRegexp/naming.LocalVariableIgnoreRegexp/"
+
+# 4. The checks are on where the sources are, tests included.
+for folder in oi tests; do
+  "$clang_tidy" --list-checks "$scratch/$folder/planted.cpp" -- > "$scratch/checks" 2>&1 || true
+  grep -q 'readability-identifier-naming$' "$scratch/checks" || fail "no naming check in $folder"
+done
+
+# 5. clang-format too.
+printf 'int  badly_laid_out( ) ;\n' > "$scratch/oi/layout.cpp"
+if "$clang_format" --dry-run -Werror "$scratch/oi/layout.cpp" > /dev/null 2>&1; then
+  fail "clang-format accepts a bad layout"
+fi
+"$clang_format" --dry-run -Werror "$scratch/oi/good.cpp" || fail "clang-format rejects the good file"
+
+if ((failures)); then
+  echo "$failures failures"
+  exit 1
+fi
+echo "every planted violation is reported"

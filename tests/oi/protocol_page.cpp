@@ -1,0 +1,356 @@
+#include "tests/oi/protocol_page.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "oi/argument_names.hpp"
+#include "oi/baud.hpp"
+#include "oi/command_table.hpp"
+#include "oi/extensions.hpp"
+#include "oi/packet_table.hpp"
+#include "oi/sensors.hpp"
+#include "oi/stream_budget.hpp"
+#include "oi/text_writer.hpp"
+
+namespace cargobay::oi {
+namespace {
+
+constexpr std::string_view kIntroductionText =
+    R"(<!-- Made by tests/oi/protocol_page.cpp from the tables of oi/. Do not edit: a test compares.
+     CARGOBAY_WRITE_DOCS=1 test_oi --gtest_filter='ProtocolPage.*' writes it anew. -->
+
+# The Open Interface, as Cargobay speaks it
+
+The iRobot Create of 2006 is driven over a serial line. The host sends commands: an opcode and its
+data bytes. The robot answers Sensors and Query List, and sends a frame of sensor packets every
+15 ms where a stream has been asked for. Numbers of two bytes travel high byte first. "OI p. 9" is
+a page of the manual, *iRobot Create Open Interface*.
+
+This page says what the manual lays down, where it contradicts itself, what robots really do, and
+what Cargobay does about it. Names in `code` are those of the command line and of the source.
+)";
+
+constexpr std::string_view kLineText = R"(
+## The line
+
+Eight data bits, no parity, one stop bit: ten bits a byte. The robot starts at 57600; three low
+pulses on the Baud Rate Change (BRC) pin, or holding Play while switching on, start it at 19200.
+Baud changes the rate until the robot is switched off; the next byte may follow after 100 ms. At
+115200 the robot needs 200 us from the beginning of one byte to the beginning of the next.
+
+)";
+
+constexpr std::string_view kModesText = R"(
+## Modes
+
+| mode | value of `oi_mode` | what the robot obeys |
+|---|---|---|
+| Off | 0 | Start and nothing else |
+| Passive | 1 | what moves, lights, sounds or switches nothing |
+| Safe | 2 | everything; a cliff while driving towards it, a wheel drop or a charger stops the wheels and makes it Passive |
+| Full | 3 | everything, and watches nothing |
+
+Safe and Full end charging. The robot changes the mode by itself, so Cargobay streams `oi_mode` with
+every frame and believes nothing else.
+
+## Commands
+
+"Safe" in the column *from* means that Off and Passive ignore the command. Arguments stand in the
+order of the wire; the text form has `drive_direct LEFT RIGHT` and `pwm_low_side_drivers` for the
+drivers 0, 1, 2. What is outside a range is refused, never clamped.
+
+)";
+
+constexpr std::string_view kCommandNotesText = R"(
+- **Drive.** Straight is the radius 32768, which 16 bits with a sign write as -32768 (`80 00`); the
+  robot takes 32767 for the same. Cargobay sends `80 00` and reads both. A radius of -1 turns
+  clockwise on the spot, 1 counter-clockwise.
+- **LEDs.** Play is bit 1, Advance is bit 3; other bits mean nothing and are refused.
+- **Song** stores, so it works in Passive; **Play Song** sounds, so it does not, and is ignored while
+  a song plays. A note outside 31 to 127 is a rest.
+- **Stream** replaces the list; a list of length 0 ends the stream. **Pause/Resume Stream** keeps it.
+- **Script.** The length counts bytes; 0 clears. **Show Script** answers with the length and the
+  bytes, and halts the stream until it is resumed.
+- **The Wait commands** make the robot deaf until their time, distance, angle or event has come. They
+  are meant for scripts. The negative of an event waits until it is over; the
+  text form writes `no_bump` for that of `bump`. Wait Distance and Wait Angle reset `distance` and `angle`.
+- A command cut short makes the robot take whatever comes next for its data.
+)";
+
+constexpr std::string_view kPacketsText = R"(
+## Sensor packets
+
+A group is sent as its members one after the other. A value outside the range is delivered as it
+came, and counted.
+
+)";
+
+constexpr std::string_view kStreamText = R"(
+## Stream frames
+
+| byte | meaning |
+|---|---|
+| 19 | header |
+| n | how many bytes follow, without the checksum |
+| id, data, id, data, ... | the packets of the list, in its order |
+| checksum | makes the low byte of the frame's sum 0 |
+
+The checksum is where the manual and robots part: the manual leaves the header out of the sum, robots
+take it in. The frame of the manual's example ends in 182 by the one and in 163 by the other. The
+decoder takes either until four frames in a row agree and then that form only; four in a row of the
+other form change its mind. One form can be laid down instead.
+
+Nothing marks a 19 as a header: ids and data may be 19 too. The decoder therefore believes only what
+has the structure of a frame, ids and lengths that fill n exactly, and the right checksum. It reads
+what it refused again from the next byte on, and it drops a frame that seems to be still coming when
+two whole frames have gone by inside it. After any damage the second whole frame is delivered with
+its last byte. What one byte of checksum cannot see remains: of damaged bytes that have the structure
+of a frame, 1 in 256 passes; and where a data byte that is 19 was lost, the header of the next frame
+takes the place of the checksum and the sum is right.
+
+A robot that is off, booting or charging prints lines of text. They are passed over and counted.
+
+)";
+
+constexpr std::string_view kContradictionsText = R"(
+## Where the manual contradicts itself
+
+| | the manual | Cargobay |
+|---|---|---|
+| 1 | a script's length is a number of commands, and at most 100 bytes | bytes: all its examples count bytes |
+| 2 | the stream's checksum leaves the header out; manuals of later robots take it in | both are decoded; the virtual Create takes it in unless told otherwise |
+| 3 | its stream example reads bytes 2 25 as 0x0225 = 549, and calls packet 29 the left cliff signal | 2 25 is 537, packet 29 is `cliff_front_left_signal` |
+| 4 | Wait Event takes 1 to 20, its table has 22 events | 1 to 22 and their negatives |
+| 5 | Wait Distance and Wait Angle from -32767 to 32768 | any 16 bits with a sign: -32768 to 32767 |
+| 6 | low side driver 0 is pin 22 by the connector table and by Send IR, pin 23 by the table of Low Side Drivers | driver 0 is pin 22, driver 1 is pin 23; measure before you solder |
+| 7 | packet 14 has driver 1 in bit 0 and driver 0 in bit 1, against the order of its neighbours | as written, both tables agree |
+| 8 | driver 2 carries 1.5 A, and 1.6 A | rated 1.5 A, reported as too much at 1.6 A |
+| 9 | packet 18 to 5 and to 15; packet 38 to 43 and to 42; packet 20 in degrees and in mm | buttons are bits 0 and 2; 43; degrees |
+| 10 | the text of packet 35 describes packet 34 | packet 35 is the mode |
+| 11 | Start is available in Passive, Safe and Full, yet it is what leaves Off | Off obeys Start and nothing else |
+| 12 | the robot is Passive after switching on, and Off after a new battery | Off until Start |
+| 13 | notes from 31 to 27 in the summary | 31 to 127 |
+| 14 | straight is 32768 or 32767 | `80 00` is sent, both are read |
+| 15 | Wait commands are for scripts only, and are listed as commands | the library refuses them outside a script; the virtual Create obeys and is deaf, as a robot is |
+| 16 | Query List takes 0 to 255 packets, Stream 0 to 43 | as written; a stream must also fit n and 15 ms |
+)";
+
+constexpr std::string_view kRobotsText = R"(
+## What robots do that the manual does not say
+
+Told by owners and by published host software; none of it measured here.
+
+| what | Cargobay |
+|---|---|
+| Many units cut `distance` and `angle` to whole mm and degrees at each reading and lose the rest, so that slow motion reads as none | finds out which kind it drives, and reads in windows of several ticks where the rest is lost |
+| Reading `distance` or `angle` clears it, whoever reads | never streams and queries them at once |
+| The direction is not measured, the sign is that of the command | the same in the virtual Create |
+| The first reading after connecting is junk | discarded |
+| Replies to queries come between the frames of a stream without any mark | the stream is paused for a query |
+| The stream outlives changes of mode, and ends at reset, power-off and Off | a stream that stops is asked for again |
+| Opcodes that the robot does not know are ignored | the virtual Create ignores them and counts |
+| The robot's lines are 5 V | a transistor or level shifter stands between |
+)";
+
+// Lines and tables of Markdown.
+class Page {
+ public:
+  Page& operator<<(std::string_view text) {
+    text_ += text;
+    return *this;
+  }
+  Page& operator<<(std::int64_t number) {
+    return *this << std::string_view{std::to_string(number)};
+  }
+  std::string text() && { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string choice(const ArgumentInfo& argument) {
+  std::array<char, 2048> characters{};
+  TextWriter text{characters};
+  write_choice(text, argument);
+  return std::string{text.text()};
+}
+
+std::string_view new_mode(ModeChange change) {
+  switch (change) {
+    case ModeChange::none: return "";
+    case ModeChange::to_passive: return "Passive";
+    case ModeChange::to_safe: return "Safe";
+    case ModeChange::to_full: return "Full";
+  }
+  return "";
+}
+
+void add_baud_rates(Page& page) {
+  page << "| code | baud | bytes in 15 ms | a DriveDirect takes |\n|---|---|---|---|\n";
+  for (std::size_t code = 0; code < kBaudRates.size(); ++code) {
+    const auto microseconds = wire_time(kDriveDirectBytes, kBaudRates[code]).count() / 1000;
+    page << "| " << static_cast<std::int64_t>(code) << " | " << kBaudRates[code] << " | "
+         << static_cast<std::int64_t>(bytes_per_tick(kBaudRates[code])) << " | " << microseconds
+         << " us |\n";
+  }
+}
+
+// `radius` -2000 to 2000 mm ...
+void add_argument(Page& page, const ArgumentInfo& argument) {
+  page << "`" << argument.name << "`" << (argument.size == 2 ? " (2 bytes) " : " ");
+  // The names of packets and of events have tables of their own.
+  if (argument.name == "packet") {
+    page << "0 to " << argument.max;
+  } else if (argument.name == "event") {
+    page << argument.min << " to " << argument.max << " but 0";
+  } else {
+    page << choice(argument);
+  }
+}
+
+void add_commands(Page& page) {
+  page << "| opcode | command | text form | data | from | then | OI p. "
+          "|\n|---|---|---|---|---|---|---|\n";
+  for (const CommandInfo& info : kCommands) {
+    page << "| " << info.opcode << " | " << info.name << " | `" << info.key << "` | ";
+    std::string_view separator;
+    for (const ArgumentInfo& argument : info.arguments()) {
+      page << separator;
+      add_argument(page, argument);
+      separator = "; ";
+    }
+    separator = "; then as often as that says: ";
+    for (const ArgumentInfo& argument : element_arguments(info.tail)) {
+      page << separator;
+      add_argument(page, argument);
+      separator = ", ";
+    }
+    page << " | "
+         << (info.opcode == 128 ? "Off"
+             : info.actuates    ? "Safe"
+                                : "Passive")
+         << " | " << new_mode(info.change) << " | " << info.page << " |\n";
+  }
+}
+
+// The names of the values of one argument of a command.
+void add_value_names(Page& page, std::string_view title, std::uint8_t opcode) {
+  page << "\n| " << title << " | name |\n|---|---|\n";
+  for (const ValueName& name : value_names(find_command(opcode)->argument_slots[0])) {
+    if (name.value > 0 || opcode != 158)
+      page << "| " << name.value << " | `" << name.name << "` |\n";
+  }
+}
+
+void add_groups_of(Page& page, std::uint8_t id) {
+  std::string_view separator;
+  for (std::uint8_t group = 0; group < kFirstSinglePacket; ++group) {
+    if (id < kPackets[group].first || id > kPackets[group].last) continue;
+    page << separator << group;
+    separator = ", ";
+  }
+}
+
+void add_packets(Page& page) {
+  page << "| group | packets | bytes |\n|---|---|---|\n";
+  for (std::uint8_t id = 0; id < kFirstSinglePacket; ++id) {
+    page << "| " << id << " | " << kPackets[id].first << " to " << kPackets[id].last << " | "
+         << kPackets[id].size << " |\n";
+  }
+  page << "\n| id | packet | key | bytes | range | unit | in groups "
+          "|\n|---|---|---|---|---|---|---|\n";
+  for (std::uint8_t id = kFirstSinglePacket; id <= kLastPacket; ++id) {
+    const PacketInfo& info = kPackets[id];
+    page << "| " << id << " | " << info.name << " | `" << info.key << "` | " << info.size
+         << (info.is_signed ? ", signed" : "") << " | " << info.min << " to " << info.max << " | "
+         << symbol(info.unit) << " | ";
+    add_groups_of(page, id);
+    page << " |\n";
+  }
+}
+
+void add_bits(Page& page) {
+  page << "\n| bit set | bit 0 | bit 1 | bit 2 | bit 3 | bit 4 |\n|---|---|---|---|---|---|\n";
+  for (const PacketInfo& info : kPackets) {
+    const auto id = PacketId{info.id};
+    if (bit_name(id, 0).empty()) continue;
+    page << "| " << info.id << " `" << info.key << "` |";
+    for (unsigned bit = 0; bit < 5; ++bit) {
+      const std::string_view name = bit_name(id, bit);
+      page << (name.empty() ? " " : " `") << name << (name.empty() ? "|" : "` |");
+    }
+    page << "\n";
+  }
+}
+
+void add_states(Page& page) {
+  page << "\n| charging state | |\n|---|---|\n";
+  for (std::uint8_t state = 0; state <= 5; ++state)
+    page << "| " << state << " | " << name(ChargingState{state}) << " |\n";
+  page << "\n| infrared byte | |\n|---|---|\n";
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    const std::string_view what = name(InfraredCharacter{static_cast<std::uint8_t>(byte)});
+    if (what != "unknown") page << "| " << byte << " | " << what << " |\n";
+  }
+}
+
+void add_frame_lengths(Page& page) {
+  page << "| list | frame | at 57600 | at 19200 |\n|---|---|---|---|\n";
+  using enum PacketId;
+  const auto add = [&page](std::string_view list, std::span<const PacketId> packets) {
+    const std::size_t bytes = frame_bytes(packets);
+    page << "| " << list << " | " << static_cast<std::int64_t>(bytes) << " bytes ";
+    for (const std::uint32_t baud : {57600U, 19200U}) {
+      page << "| " << wire_time(bytes, baud).count() / 1000 << " us"
+           << (fits(packets, baud) ? " " : ": does not fit ");
+    }
+    page << "|\n";
+  };
+  add("`oi_mode`", std::array{oi_mode});
+  add("`distance` `angle`", std::array{distance, angle});
+  add("`distance` `angle` `oi_mode`", std::array{distance, angle, oi_mode});
+  add("`group_6`", std::array{group_6});
+}
+
+void add_extensions(Page& page) {
+  page << "\n## Outside the manual\n\nOff unless asked for (`oi/extensions.hpp`).\n\n"
+       << "| what | |\n|---|---|\n"
+       << "| opcode " << kSoftResetOpcode
+       << " | restarts the robot: 3 s of silence, 4 to 5 s in all; several sources |\n"
+       << "| opcode " << kFirmwareDateOpcode << " | answers with "
+       << static_cast<std::int64_t>(kFirmwareDateBytes)
+       << " bytes: 18, year, month, day, hour, minute, and their exclusive or; one source |\n";
+  for (const PacketInfo& info : kExtensionPackets) {
+    page << "| packet " << info.id << " | `" << info.key << "`: " << info.size
+         << " bytes, counts up in both directions and wraps; 7.8324 counts a mm; firmware of "
+            "2007-09-24, Query List only; one source |\n";
+  }
+}
+
+}  // namespace
+
+std::string protocol_page() {
+  Page page;
+  page << kIntroductionText << kLineText;
+  add_baud_rates(page);
+  page << kModesText;
+  add_commands(page);
+  page << kCommandNotesText;
+  add_value_names(page, "demo", 136);
+  add_value_names(page, "event", 158);
+  page << kPacketsText;
+  add_packets(page);
+  add_bits(page);
+  add_states(page);
+  page << kStreamText;
+  add_frame_lengths(page);
+  page << kContradictionsText << kRobotsText;
+  add_extensions(page);
+  return std::move(page).text();
+}
+
+}  // namespace cargobay::oi

@@ -1,0 +1,53 @@
+// The built command as a user runs it: a process of its own, its words collected.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cargobay::test {
+
+class Command {
+ public:
+  struct Setup {
+    // pipe: standard output is none. terminal: it is one, and the command the session on it.
+    enum class Output : std::uint8_t { pipe, terminal } output = Output::pipe;
+    // nobody: without any right beyond those of an ordinary user, real-time ones included. Where
+    // the tests do not run as root, the same user without them.
+    enum class User : std::uint8_t { same, nobody } user = User::same;
+  };
+
+  explicit Command(std::vector<std::string> arguments) : Command{std::move(arguments), Setup{}} {}
+  Command(std::vector<std::string> arguments, const Setup& setup);
+  // Kills what still runs.
+  ~Command();
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+
+  void send(int signal) const;
+  void type(std::string_view keys) const;  // on its terminal
+  void close_terminal();
+  // Also collects what it has said.
+  bool running();
+  // Waits for its end: what it returned, -N where signal N killed it, or kHangs.
+  int exit_code();
+  static constexpr int kHangs = -1000;
+
+  // What it said until running() or exit_code() last looked.
+  const std::string& out() const { return out_; }
+  const std::string& err() const { return err_; }
+
+ private:
+  pid_t process_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+  int out_descriptor_ = -1;  // the terminal's master, where there is one
+  int err_descriptor_ = -1;
+  std::string out_;
+  std::string err_;
+};
+
+}  // namespace cargobay::test

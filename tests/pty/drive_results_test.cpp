@@ -1,0 +1,174 @@
+// What `cargobay drive` tells: table, status line, JSON and plot.
+
+#include <cctype>
+
+#include <nlohmann/json.hpp>
+
+#include "drive_fixture.hpp"
+
+namespace cargobay::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+// A number for each of these names, and nothing else.
+void expect_numbers(const json& results, const char* key, std::vector<std::string> names) {
+  ASSERT_TRUE(results.contains(key)) << key;
+  const json& object = results.at(key);
+  ASSERT_TRUE(object.is_object()) << key;
+  EXPECT_EQ(object.size(), names.size()) << key;
+  for (const std::string& name : names) {
+    ASSERT_TRUE(object.contains(name)) << key << ' ' << name;
+    EXPECT_TRUE(object.at(name).is_number()) << key << ' ' << name;
+  }
+}
+
+void expect_common_keys(const json& results) {
+  for (const char* key : {"port", "remainder", "scheduler"}) {
+    ASSERT_TRUE(results.contains(key)) << key;
+    EXPECT_TRUE(results.at(key).is_string()) << key;
+  }
+  for (const char* key :
+       {"baud", "priority", "ticks", "frames_good", "frames_bad", "frames_lost"}) {
+    ASSERT_TRUE(results.contains(key)) << key;
+    EXPECT_TRUE(results.at(key).is_number_integer()) << key;
+  }
+  expect_numbers(results, "steady_error_mm_s", {"left", "right"});
+  expect_numbers(results, "tracking_rmse_mm_s", {"left", "right"});
+  expect_numbers(results, "period_ns", {"p50", "p99", "max"});
+  expect_numbers(results, "frame_to_command_ns", {"p50", "p99", "p999", "max"});
+}
+
+void expect_ascending(const json& object, std::vector<std::string> names) {
+  for (std::size_t i = 1; i < names.size(); ++i)
+    EXPECT_LE(object.at(names[i - 1]), object.at(names[i])) << object;
+}
+
+// Elements closed in their order, attributes quoted, nothing left unescaped: as much of XML as a
+// plot needs. Returns what is wrong.
+std::string flaw(const std::string& xml) {
+  std::vector<std::string> open;
+  for (std::size_t at = 0; at < xml.size();) {
+    if (xml[at] != '<') {
+      if (xml[at] == '>') return "a stray >";
+      if (xml[at] == '&' && xml.find(';', at) > at + 5) return "a stray &";
+      if (open.empty() && std::isspace(static_cast<unsigned char>(xml[at])) == 0)
+        return "text outside of the root";
+      ++at;
+      continue;
+    }
+    const std::size_t end = xml.find('>', at);
+    if (end == std::string::npos) return "an open tag";
+    const std::string tag = xml.substr(at + 1, end - at - 1);
+    if (tag.find('<') != std::string::npos) return "a tag in a tag: " + tag;
+    if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "an open quote: " + tag;
+    const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
+    if (name.starts_with('/')) {
+      if (open.empty() || "/" + open.back() != name) return "closed but not open: " + name;
+      open.pop_back();
+    } else if (!tag.ends_with('/')) {
+      open.push_back(name);
+    }
+    at = end + 1;
+  }
+  return open.empty() ? "" : "open at the end: " + open.back();
+}
+
+// How many lines of a plot are labelled so.
+std::ptrdiff_t labels(const std::string& svg, const std::string& label) {
+  std::ptrdiff_t count = 0;
+  const std::string text = ">" + label + "</text>";
+  for (std::size_t at = svg.find(text); at != std::string::npos; at = svg.find(text, at + 1))
+    ++count;
+  return count;
+}
+
+TEST(DriveResults, HoldTheKeysOfTheJson) {
+  Command command{{"drive", "--duration", "2", "--json", "-"}};
+  ASSERT_EQ(command.exit_code(), 0) << command.err();
+  EXPECT_THAT(command.err(), IsEmpty());
+  const json results = json::parse(command.out(), nullptr, false);
+  ASSERT_TRUE(results.is_object()) << command.out();
+  expect_common_keys(results);
+  expect_numbers(results, "estimate_rmse_mm_s", {"left", "right"});
+  EXPECT_THAT(results.at("port"), StartsWith("/dev/"));
+  EXPECT_EQ(results.at("baud"), 57600);
+  EXPECT_EQ(results.at("remainder"), "carried") << "two seconds are enough to find out";
+  const bool fifo = results.at("scheduler") == "SCHED_FIFO";
+  EXPECT_TRUE(fifo || results.at("scheduler") == "SCHED_OTHER");
+  EXPECT_EQ(results.at("priority"), fifo ? 80 : 0);
+  EXPECT_GE(results.at("ticks"), 133) << "2 s of 15 ms";
+  EXPECT_GT(results.at("frames_good"), 0);
+  expect_ascending(results.at("period_ns"), {"p50", "p99", "max"});
+  expect_ascending(results.at("frame_to_command_ns"), {"p50", "p99", "p999", "max"});
+}
+
+TEST_F(DriveTest, KnowsNoTruthAboutARobotThatIsNotItsOwn) {
+  Command command{drive({"--duration", "2", "--json", "-"})};
+  ASSERT_EQ(command.exit_code(), 0) << command.err();
+  const json results = json::parse(command.out(), nullptr, false);
+  ASSERT_TRUE(results.is_object()) << command.out();
+  expect_common_keys(results);
+  EXPECT_EQ(results.at("port"), port_);
+  EXPECT_FALSE(results.contains("estimate_rmse_mm_s"));
+}
+
+TEST_F(DriveTest, WritesJsonAndPlotBesideTheTable) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("results.json", "of yesterday");
+  Command command{{"drive", "--duration", "1", "--profile", "spin", "--json", file, "--plot",
+                   folder.path("plot.svg")}};
+  ASSERT_EQ(command.exit_code(), 0) << command.err();
+  EXPECT_THAT(command.out(), AllOf(HasSubstr("Wheel speed"), HasSubstr("Frames")));
+  EXPECT_TRUE(json::parse(contents(file), nullptr, false).is_object()) << contents(file);
+
+  const std::string svg = contents(folder.path("plot.svg"));
+  EXPECT_EQ(flaw(svg), "");
+  EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+  for (const char* label : {"set speed", "true speed", "estimate", "command"})
+    EXPECT_EQ(labels(svg, label), 2) << label << ": one a wheel";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder.path("")}, {}), 2)
+      << "nothing is left beside the two";
+}
+
+TEST_F(DriveTest, PlotsNoTruthOfARobotThatIsNotItsOwn) {
+  const TemporaryFolder folder;
+  const std::string profile = folder.write("a<b & \"c\"", "0.5 200 100\n# then turn\n0.5 0 100\n");
+  Command command{
+      drive({"--duration", "1", "--profile", profile, "--plot", folder.path("plot.svg")})};
+  ASSERT_EQ(command.exit_code(), 0) << command.err();
+  const std::string svg = contents(folder.path("plot.svg"));
+  EXPECT_EQ(flaw(svg), "") << "whatever the profile is called";
+  EXPECT_EQ(labels(svg, "true speed"), 0);
+  for (const char* label : {"set speed", "estimate", "command"}) EXPECT_EQ(labels(svg, label), 2);
+}
+
+TEST(DriveResults, FlawFindsWhatIsWrongWithAPlot) {
+  EXPECT_EQ(flaw("<a x=\"1\"><b/>t &amp; t</a>\n"), "");
+  for (const char* bad :
+       {"<a>", "<a><b></a>", "</a>", "<a x=\"1></a>", "<a>&</a>", "<a/>text", "<a", "<a> > </a>"})
+    EXPECT_NE(flaw(bad), "") << bad;
+}
+
+TEST_F(DriveTest, ShowsNoStatusLineWithoutATerminal) {
+  Command command{drive({"--duration", "0.6"})};
+  EXPECT_EQ(command.exit_code(), 0);
+  EXPECT_THAT(command.out(),
+              AllOf(HasSubstr("Wheel speed"), Not(HasSubstr("\r")), Not(HasSubstr("\033"))));
+  EXPECT_THAT(command.err(), IsEmpty());
+}
+
+TEST_F(DriveTest, ShowsAStatusLineOnATerminal) {
+  Command command{drive({"--duration", "0.6"}), kOnTerminal};
+  EXPECT_EQ(command.exit_code(), 0);
+  EXPECT_THAT(command.out(), AllOf(HasSubstr("\r"), HasSubstr("/ 0.6 s"), HasSubstr("safe")));
+  EXPECT_THAT(command.out(), HasSubstr("\r\033[KWheel speed")) << "it gives way to the table";
+}
+
+}  // namespace
+}  // namespace cargobay::test

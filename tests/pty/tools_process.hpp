@@ -1,0 +1,90 @@
+// Runs the command `cargobay` as a shell would: arguments and standard input in, exit code and what
+// it printed out.
+#pragma once
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace cargobay::test {
+
+struct Outcome {
+  int code = -1;  // 128 + N where signal N ended it
+  std::string out;
+  std::string error;
+};
+
+class ToolProcess {
+ public:
+  explicit ToolProcess(const std::vector<std::string>& arguments, const std::string& input = "")
+      : input_{temporary_file()}, output_{temporary_file()}, error_{temporary_file()} {
+    std::ofstream{input_, std::ios::binary} << input;
+    std::string program = CARGOBAY_BINARY_DIR "/cargobay";
+    std::vector<std::string> words = arguments;
+    std::vector<char*> argv{program.data()};
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    process_ = fork();
+    if (process_ != 0) return;
+    redirect(input_, O_RDONLY, STDIN_FILENO);
+    redirect(output_, O_WRONLY, STDOUT_FILENO);
+    redirect(error_, O_WRONLY, STDERR_FILENO);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+  }
+  ~ToolProcess() {
+    if (process_ > 0) {
+      kill(process_, SIGKILL);
+      waitpid(process_, nullptr, 0);
+    }
+    for (const std::string& file : {input_, output_, error_}) unlink(file.c_str());
+  }
+  ToolProcess(const ToolProcess&) = delete;
+  ToolProcess& operator=(const ToolProcess&) = delete;
+
+  void send_signal(int signal) const { kill(process_, signal); }
+  std::string printed_so_far() const { return content(output_) + content(error_); }
+  // Waits for its end; ctest's time limit is the limit.
+  Outcome wait() {
+    int status = 0;
+    waitpid(process_, &status, 0);
+    process_ = -1;
+    return {.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            .out = content(output_),
+            .error = content(error_)};
+  }
+
+ private:
+  static std::string temporary_file() {
+    std::string path = "/tmp/cargobay-tool-XXXXXX";
+    close(mkstemp(path.data()));
+    return path;
+  }
+  static void redirect(const std::string& path, int flags, int descriptor) {
+    const int file = open(path.c_str(), flags | O_CLOEXEC);
+    dup2(file, descriptor);
+  }
+  static std::string content(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream{path, std::ios::binary}.rdbuf();
+    return text.str();
+  }
+
+  std::string input_;
+  std::string output_;
+  std::string error_;
+  pid_t process_ = -1;
+};
+
+inline Outcome run_tool(const std::vector<std::string>& arguments, const std::string& input = "") {
+  return ToolProcess{arguments, input}.wait();
+}
+
+}  // namespace cargobay::test

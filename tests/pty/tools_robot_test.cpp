@@ -1,0 +1,272 @@
+// The commands that talk to a robot, here a virtual one: send, sensors.
+
+#include <chrono>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hal/sim/server.hpp"
+#include "serial_client.hpp"
+#include "tests/pty/tools_process.hpp"
+
+namespace cargobay::test {
+namespace {
+
+using hal::sim::test::eventually;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+using Words = std::vector<std::string>;
+
+class RobotTool : public testing::Test {
+ protected:
+  RobotTool() {
+    auto server = hal::sim::Server::open({}, {});
+    if (server && !(*server)->start()) server_ = std::move(*server);
+  }
+  void SetUp() override { ASSERT_TRUE(server_); }
+
+  Words with_port(const std::string& tool, const Words& words) const {
+    Words all{tool, "--port", server_->path()};
+    all.insert(all.end(), words.begin(), words.end());
+    return all;
+  }
+  Outcome send(const Words& words) const { return run_tool(with_port("send", words)); }
+  Outcome sensors(const Words& words) const { return run_tool(with_port("sensors", words)); }
+  std::string error_of(const Words& words) const {
+    const Outcome outcome = send(words);
+    EXPECT_EQ(outcome.code, 1);
+    return outcome.error;
+  }
+  bool turning() const {
+    const hal::sim::Snapshot now = server_->snapshot();
+    return now.commanded.left_mm_s != 0.0 || now.commanded.right_mm_s != 0.0;
+  }
+  bool stopped() const {
+    return eventually([this] { return !turning(); });
+  }
+
+  std::unique_ptr<hal::sim::Server> server_;
+};
+
+class SendTool : public RobotTool {};
+class SensorsTool : public RobotTool {};
+
+TEST_F(SendTool, PrintsReplies) {
+  const Outcome outcome = send({"start;", "sensors", "35;", "query_list", "7", "oi_mode"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out,
+            " 35  OI Mode                                 1 (passive)\n"
+            "  7  Bumps and Wheel Drops                   none\n"
+            " 35  OI Mode                                 1 (passive)\n");
+}
+
+TEST_F(SendTool, SaysWhenTheRobotIsSilent) {
+  EXPECT_THAT(error_of({"sensors 35"}),
+              HasSubstr("the robot does not answer at 57600 baud; is it switched on and connected, "
+                        "and is this its baud rate? If it is off, begin with: start"));
+  EXPECT_THAT(error_of({"--baud", "19200", "start"}), HasSubstr("does not answer at 19200 baud"));
+}
+
+TEST_F(SendTool, SaysWhenThereIsNoRobot) {
+  const Outcome outcome = run_tool({"send", "--port", "/nowhere/at/all", "start"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.error, HasSubstr("cannot open /nowhere/at/all: no such port"));
+}
+
+TEST_F(SendTool, RefusesWhatTheModeDoesNotAllow) {
+  EXPECT_THAT(error_of({"start; drive 100 straight"}),
+              HasSubstr("the robot is in passive mode and would ignore drive; put 'safe;' before "
+                        "it"));
+  EXPECT_EQ(server_->snapshot().device.bytes_received, 0U) << "nothing was sent";
+  EXPECT_EQ(send({"start"}).code, 0);
+  EXPECT_THAT(error_of({"safe; spot; leds none 0 0"}), HasSubstr("would ignore leds"));
+  EXPECT_THAT(error_of({"leds none 0 0"}), HasSubstr("would ignore leds"));
+}
+
+TEST_F(SendTool, RefusesWaitsOutsideScripts) {
+  for (const std::string command :
+       {"wait_time 5", "wait_distance 100", "wait_angle 90", "wait_event bump"}) {
+    EXPECT_THAT(error_of({"start; " + command}),
+                HasSubstr("is for scripts: outside one the robot goes deaf"));
+  }
+  EXPECT_EQ(server_->snapshot().device.bytes_received, 0U);
+}
+
+TEST_F(SendTool, RefusesAStreamThatDoesNotFit) {
+  EXPECT_THAT(error_of({"start; baud 19200; stream 6"}),
+              HasSubstr("frames of 56 bytes every 15 ms do not fit 19200 baud, which carries 28"));
+}
+
+TEST_F(SendTool, StopsTheWheelsAfterTheDuration) {
+  const Outcome outcome = send({"--duration", "0.2", "start; safe; drive_direct 100 -100"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
+  EXPECT_FALSE(turning());
+  const hal::sim::Snapshot after = server_->snapshot();
+  EXPECT_EQ(after.mode, oi::Mode::safe);
+  EXPECT_GT(std::abs(after.truth.pose.heading_rad), 0.01) << "they did turn";
+}
+
+TEST_F(SendTool, StopsTheWheelsOnASignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    ToolProcess process{with_port("send", {"start; full; drive 200 straight"})};
+    ASSERT_TRUE(eventually([this] { return turning(); }));
+    process.send_signal(signal);
+    const Outcome outcome = process.wait();
+    EXPECT_EQ(outcome.code, 128 + signal);
+    EXPECT_THAT(outcome.error, HasSubstr("the wheels may be turning; Ctrl-C stops them"));
+    EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
+    EXPECT_FALSE(turning());
+  }
+}
+
+TEST_F(SendTool, StopsADemo) {
+  const Outcome outcome = send({"--duration", "0.2", "start; cover"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
+  EXPECT_TRUE(stopped());
+  EXPECT_EQ(server_->snapshot().mode, oi::Mode::passive);
+}
+
+TEST_F(SendTool, StopsWhatAScriptStarted) {
+  const Outcome outcome =
+      send({"--duration", "0.2", "start; safe; script { drive 200 straight }; play_script"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_FALSE(turning());
+}
+
+TEST_F(SendTool, SaysWhenAScriptIsDeaf) {
+  const Outcome outcome = send({"--duration", "0.1",
+                                "start; safe; script { drive 200 straight; wait_event cliff }; "
+                                "play_script"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.error, HasSubstr("if it waits in a script it is deaf until that is over"));
+}
+
+TEST_F(SendTool, EndsAtOnceWhenTheWheelsStandStill) {
+  const Outcome outcome = send({"start; safe; drive 200 straight; drive 0 straight"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.error, Not(HasSubstr("wheels")));
+  EXPECT_EQ(send({"script { leds play 0 0; wait_time 1 }; play_script"}).code, 0)
+      << "a script that drives nothing";
+}
+
+TEST_F(SendTool, LeavesTheWheelsRunningIfAskedTo) {
+  const Outcome outcome = send({"--leave-running", "start; safe; drive 100 straight"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.error, HasSubstr("--leave-running"));
+  EXPECT_TRUE(eventually([this] { return turning(); }));
+}
+
+TEST_F(SendTool, PrintsFramesWhileItListens) {
+  const Outcome outcome = send({"--listen", "0.3", "start; stream distance oi_mode"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr("distance 0 mm, oi_mode 1 (passive)\n"));
+  EXPECT_GT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 5);
+  const std::uint64_t frames = server_->snapshot().device.frames_sent;
+  const rt::Duration now = server_->snapshot().time;
+  ASSERT_TRUE(
+      eventually([&] { return server_->snapshot().time > now + std::chrono::milliseconds{100}; }));
+  EXPECT_EQ(server_->snapshot().device.frames_sent, frames) << "paused behind it";
+}
+
+TEST_F(SendTool, TellsARepliesFromAStream) {
+  const Outcome outcome =
+      send({"--listen", "0.1", "start; stream 19 20 35; sensors oi_mode; sensors 35"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  const std::string line = " 35  OI Mode                                 1 (passive)\n";
+  EXPECT_THAT(outcome.out, StartsWith(line + line));
+  EXPECT_THAT(outcome.out, HasSubstr("distance 0 mm, angle 0 deg, oi_mode 1 (passive)\n"));
+}
+
+TEST_F(SendTool, FindsAStreamThatRunsAlready) {
+  EXPECT_EQ(send({"--leave-running", "--listen", "0", "start; stream 6"}).code, 0);
+  const Outcome outcome = send({"sensors 35"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out, " 35  OI Mode                                 1 (passive)\n");
+}
+
+TEST_F(SendTool, ShowsTheScript) {
+  const std::string script = "script { drive 300 straight; wait_distance 400; drive 0 0 }";
+  EXPECT_EQ(send({"start; " + script + "; show_script"}).out, script + "\n");
+  EXPECT_EQ(send({"script { }; show_script"}).out, "script { }\n");
+}
+
+TEST_F(SendTool, FollowsAChangeOfTheBaudRate) {
+  const Outcome outcome = send({"start; baud 19200; sensors 35; baud 38400; sensors 35"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2);
+  EXPECT_THAT(outcome.error,
+              HasSubstr("the robot now runs at 38400 baud; next time: --baud 38400"));
+  EXPECT_EQ(server_->snapshot().baud, 38400U);
+  EXPECT_EQ(send({"--baud", "38400", "song 0 60:1 62:1 64:1; sensors 35"}).code, 0);
+}
+
+TEST_F(SendTool, PrintsTheRobotsText) {
+  ToolProcess process{with_port("send", {"start; safe; drive 100 straight"})};
+  ASSERT_TRUE(eventually([this] { return turning(); }));
+  ASSERT_TRUE(eventually(
+      [&process] { return process.printed_so_far().find("Ctrl-C") != std::string::npos; }));
+  server_->with_device([](hal::sim::Device& device) { device.print("bat:   min 0\r\n"); });
+  ASSERT_TRUE(eventually([&process] {
+    return process.printed_so_far().find("text: bat:   min 0\n") != std::string::npos;
+  }));
+  process.send_signal(SIGINT);
+  EXPECT_EQ(process.wait().code, 128 + SIGINT);
+}
+
+TEST_F(SendTool, SaysWhenThePortHangsUp) {
+  ToolProcess process{with_port("send", {"start; safe; drive 100 straight"})};
+  ASSERT_TRUE(eventually([this] { return turning(); }));
+  ASSERT_TRUE(eventually(
+      [&process] { return process.printed_so_far().find("Ctrl-C") != std::string::npos; }));
+  server_.reset();
+  const Outcome outcome = process.wait();
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.error, HasSubstr("the port hung up"));
+}
+
+TEST_F(SendTool, PointsAtWhatIsWrong) {
+  EXPECT_THAT(error_of({"safe; drive 600 0"}), HasSubstr("\n              ^^^\n"));
+  EXPECT_THAT(error_of({"--baud", "1", "safe"}), HasSubstr("the robot has no 1 baud"));
+}
+
+TEST_F(SensorsTool, PrintsOneReadingWhereThereIsNoTerminal) {
+  const Outcome outcome = sensors({"--packets", "oi_mode,voltage"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, StartsWith(" 35  OI Mode                                 1 (passive)\n"
+                                      " 22  Voltage "));
+  EXPECT_THAT(outcome.out, HasSubstr(" mV\n"));
+}
+
+TEST_F(SensorsTool, PrintsJson) {
+  const Outcome outcome = sensors({"--packets", "35,7", "--json", "--once"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out,
+            "{\"bumps_and_wheel_drops\":0,\"bumps_and_wheel_drops_names\":[],\"oi_mode\":1,"
+            "\"oi_mode_name\":\"passive\"}\n");
+}
+
+TEST_F(SensorsTool, StreamsJsonUntilASignal) {
+  ToolProcess process{with_port("sensors", {"--packets", "35", "--json"})};
+  const std::string line = "{\"oi_mode\":1,\"oi_mode_name\":\"passive\"}\n";
+  ASSERT_TRUE(eventually(
+      [&] { return process.printed_so_far().find(line + line + line) != std::string::npos; }));
+  process.send_signal(SIGINT);
+  EXPECT_EQ(process.wait().code, 0);
+}
+
+TEST_F(SensorsTool, RefusesWhatItCannotDo) {
+  EXPECT_THAT(sensors({"--packets", "99"}).error, HasSubstr("'99' is no packet"));
+  EXPECT_EQ(sensors({"--packets", "99"}).code, 1);
+  const Outcome silent = sensors({"--baud", "9600", "--once"});
+  EXPECT_EQ(silent.code, 1);
+  EXPECT_THAT(silent.error, HasSubstr("the robot does not answer at 9600 baud"));
+  EXPECT_THAT(run_tool({"sensors", "--port", "/dev/null"}).error, HasSubstr("not a terminal"));
+}
+
+}  // namespace
+}  // namespace cargobay::test

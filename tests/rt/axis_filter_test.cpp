@@ -1,0 +1,274 @@
+#include "rt/axis_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cargobay::rt {
+namespace {
+
+constexpr double kTick = 0.015;
+constexpr double kLag = 0.100;
+
+// An axis that follows its command with a lag and a droop, and its counter.
+class Axis {
+ public:
+  Axis(double step_mm, Remainder remainder) : step_mm_{step_mm}, remainder_{remainder} {}
+
+  void tick(double driven_mm_s) {
+    const double decay = std::exp(-kTick / kLag);
+    position_mm_ += driven_mm_s * kTick + (speed_mm_s - driven_mm_s) * kLag * (1.0 - decay);
+    speed_mm_s = driven_mm_s + (speed_mm_s - driven_mm_s) * decay;
+  }
+  int read() {
+    const double whole = std::trunc(position_mm_ / step_mm_);
+    position_mm_ = remainder_ == Remainder::carried ? position_mm_ - whole * step_mm_ : 0.0;
+    return static_cast<int>(whole);
+  }
+
+  double speed_mm_s = 0.0;
+
+ private:
+  double step_mm_;
+  Remainder remainder_;
+  double position_mm_ = 0.0;
+};
+
+struct Course {
+  double command_mm_s = 200.0;
+  double droop = 0.08;
+  double true_step_mm = 1.0;
+  double told_step_mm = 1.0;
+  Remainder remainder = Remainder::carried;
+  int read_every = 1;
+};
+
+struct Outcome {
+  double rmse_mm_s = 0.0;  // from 1 s on
+  double disturbance_mm_s = 0.0;
+};
+
+// Starts, turns round after 3 s, and goes on for 3 s more.
+Outcome follow(const Course& run) {
+  Axis axis{run.true_step_mm, run.remainder};
+  AxisFilter filter{{.step_mm = run.told_step_mm}};
+  double former_mm_s = 0.0;
+  double squares = 0.0;
+  int count = 0;
+  constexpr int kTicks = 400;
+  for (int tick = 1; tick <= kTicks; ++tick) {
+    const double command_mm_s = tick <= kTicks / 2 ? run.command_mm_s : -0.5 * run.command_mm_s;
+    axis.tick(command_mm_s * (1.0 - run.droop));
+    filter.predict(command_mm_s, 0.08 * (command_mm_s - former_mm_s), 0.0);
+    former_mm_s = command_mm_s;
+    if (tick % run.read_every == 0) filter.read(axis.read(), run.remainder);
+    if (tick * kTick < 1.0) continue;
+    squares += std::pow(filter.speed_mm_s() - axis.speed_mm_s, 2);
+    ++count;
+  }
+  return {.rmse_mm_s = std::sqrt(squares / count), .disturbance_mm_s = filter.disturbance_mm_s()};
+}
+
+TEST(AxisFilter, FollowsAKnownTrajectory) {
+  for (const double command_mm_s : {40.0, 117.0, 200.0, 333.0, 480.0}) {
+    EXPECT_LT(follow({.command_mm_s = command_mm_s}).rmse_mm_s, 2.0) << command_mm_s;
+  }
+}
+
+TEST(AxisFilter, FollowsACounterThatLosesTheRemainder) {
+  for (const double command_mm_s : {40.0, 117.0, 200.0, 333.0, 480.0}) {
+    const Course run{.command_mm_s = command_mm_s, .remainder = Remainder::lost, .read_every = 10};
+    EXPECT_LT(follow(run).rmse_mm_s, 6.0) << command_mm_s;
+  }
+}
+
+// The turn axis: a degree is 4.5 mm between the wheels.
+TEST(AxisFilter, FollowsACoarseCounter) {
+  EXPECT_LT(follow({.true_step_mm = 4.503, .told_step_mm = 4.503}).rmse_mm_s, 5.0);
+}
+
+TEST(AxisFilter, FindsWhatTheMotorsLose) {
+  const double lost_mm_s = 0.08 * 100.0;  // of the second half's command of -100
+  EXPECT_NEAR(follow({}).disturbance_mm_s, lost_mm_s, 1.5);
+}
+
+TEST(AxisFilter, DoesWorseWithAWrongStep) {
+  const double right = follow({}).rmse_mm_s;
+  EXPECT_GT(follow({.told_step_mm = 1.1}).rmse_mm_s, 4.0 * right);
+  EXPECT_GT(follow({.told_step_mm = 0.9}).rmse_mm_s, 4.0 * right);
+}
+
+TEST(AxisFilter, DoesWorseWithTheWrongKindOfRemainder) {
+  Axis axis{1.0, Remainder::lost};
+  AxisFilter carried{{}};
+  AxisFilter lost{{}};
+  for (int tick = 0; tick < 200; ++tick) {
+    axis.tick(100.0);
+    carried.predict(100.0, tick == 0 ? 8.0 : 0.0, 0.0);
+    lost.predict(100.0, tick == 0 ? 8.0 : 0.0, 0.0);
+    const int count = axis.read();
+    carried.read(count, Remainder::carried);
+    lost.read(count, Remainder::lost);
+  }
+  EXPECT_LT(std::abs(lost.speed_mm_s() - 100.0), 10.0);
+  EXPECT_GT(std::abs(carried.speed_mm_s() - 100.0), 20.0) << "half a step each tick: 33 mm/s";
+}
+
+// At 15 mm/s each reading of a counter that loses the remainder is 0 whatever the robot does.
+TEST(AxisFilter, LearnsNothingFromReadingsThatCouldNotBeOtherwise) {
+  Axis axis{1.0, Remainder::lost};
+  AxisFilter filter{{}};
+  for (int tick = 0; tick < 400; ++tick) {
+    axis.tick(15.0);
+    filter.predict(15.0, tick == 0 ? 1.2 : 0.0, 0.0);
+    ASSERT_EQ(axis.read(), 0);
+    filter.read(0, Remainder::lost);
+  }
+  EXPECT_NEAR(filter.speed_mm_s(), 15.0, 5.0);
+}
+
+TEST(AxisFilter, HoldsStillWhereNothingMoves) {
+  AxisFilter filter{{}};
+  for (int tick = 0; tick < 1000; ++tick) {
+    filter.predict(0.0, 0.0, 0.0);
+    filter.read(0, Remainder::carried);
+  }
+  EXPECT_NEAR(filter.speed_mm_s(), 0.0, 1e-6);
+}
+
+// What the motors lose they lose while they drive: a robot that stands is not pushed.
+TEST(AxisFilter, StopsWhereNothingDrivesTheWheels) {
+  AxisFilter filter{{}};
+  for (int tick = 0; tick < 200; ++tick) {
+    filter.predict(200.0, tick == 0 ? 16.0 : 0.0, 0.0);
+    if (tick % 20 == 19) filter.read(54, Remainder::lost);  // 180 mm/s
+  }
+  ASSERT_NEAR(filter.disturbance_mm_s(), -20.0, 5.0);
+  for (int tick = 0; tick < 67; ++tick) {
+    filter.coast(tick == 0 ? 16.0 : 0.0, 0.0);
+    filter.read(0, Remainder::lost);
+  }
+  EXPECT_NEAR(filter.speed_mm_s(), 0.0, 1.0);
+  EXPECT_NEAR(filter.disturbance_mm_s(), -20.0, 5.0) << "and starts again with what it learnt";
+}
+
+// A probability of each count, less what no count is denied.
+double probability_of(AxisFilter filter, int count, Remainder remainder) {
+  constexpr double kLeast = 1e-4;
+  return (std::exp(filter.read(count, remainder)) - kLeast) / (1.0 - kLeast);
+}
+
+TEST(AxisFilter, GivesTheCountsProbabilitiesThatSumToOne) {
+  for (const double command_mm_s : {0.0, 30.0, 200.0, -350.0}) {
+    for (const int reads_before : {0, 1, 7, 60}) {
+      AxisFilter filter{{}};
+      Axis axis{1.0, Remainder::carried};
+      for (int tick = 0; tick < reads_before; ++tick) {
+        axis.tick(command_mm_s);
+        filter.predict(command_mm_s, tick == 0 ? 0.08 * command_mm_s : 0.0, 0.0);
+        filter.read(axis.read(), Remainder::carried);
+      }
+      filter.predict(command_mm_s, 0.0, 0.0);
+      double sum = 0.0;
+      for (int count = -40; count <= 40; ++count) {
+        const double probability = probability_of(filter, count, Remainder::carried);
+        EXPECT_GE(probability, -1e-12);
+        sum += probability;
+      }
+      EXPECT_NEAR(sum, 1.0, 1e-9) << command_mm_s << " mm/s after " << reads_before << " readings";
+    }
+  }
+}
+
+TEST(AxisFilter, DeniesNoCountAltogether) {
+  AxisFilter filter{{}};
+  filter.predict(0.0, 0.0, 0.0);
+  EXPECT_NEAR(filter.read(32767, Remainder::carried), std::log(1e-4), 1e-6);
+}
+
+TEST(AxisFilter, DoesNotMoveWhereAReadingWentUnseen) {
+  for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
+    Axis axis{1.0, remainder};
+    AxisFilter filter{{}};
+    for (int tick = 1; tick <= 400; ++tick) {
+      axis.tick(200.0);
+      filter.predict(200.0, tick == 1 ? 16.0 : 0.0, 0.0);
+      if (tick % 10 != 0) continue;
+      const int count = axis.read();
+      if (tick % 50 == 0) {
+        filter.read_unseen(remainder);
+      } else {
+        filter.read(count, remainder);
+      }
+      if (tick > 100) {
+        ASSERT_NEAR(filter.speed_mm_s(), 200.0, 6.0) << tick;
+      }
+    }
+  }
+}
+
+// A wheel that coasts against its new direction counts the wrong way: told so, the filter gives the
+// counter less to say.
+TEST(AxisFilter, GivesACounterThatMayGoAstrayLessToSay) {
+  const auto jolt = [](double position_sd_mm) {
+    AxisFilter filter{{}};
+    for (int tick = 0; tick < 100; ++tick) {
+      filter.predict(200.0, tick == 0 ? 16.0 : 0.0, 0.0);
+      filter.read(3, Remainder::carried);
+    }
+    const double before_mm_s = filter.speed_mm_s();
+    filter.predict(200.0, 0.0, position_sd_mm);
+    filter.read(-3, Remainder::carried);
+    return std::abs(filter.speed_mm_s() - before_mm_s);
+  };
+  EXPECT_LT(jolt(6.0), 0.25 * jolt(0.0));
+}
+
+TEST(AxisFilter, StaysFiniteWhateverIsRead) {
+  std::mt19937 random{7};
+  std::uniform_int_distribution<int> any{-32768, 32767};
+  std::uniform_int_distribution<int> small{-1, 1};
+  std::uniform_real_distribution<double> command{-500.0, 500.0};
+  for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
+    AxisFilter filter{{}};
+    for (int tick = 0; tick < 20'000; ++tick) {
+      filter.predict(command(random), 8.0, 0.0);
+      if (tick % 3 == 0) continue;
+      const double log_probability =
+          filter.read(tick % 2 == 0 ? any(random) : small(random), remainder);
+      ASSERT_TRUE(std::isfinite(filter.speed_mm_s())) << tick;
+      ASSERT_TRUE(std::isfinite(log_probability)) << tick;
+      ASSERT_LE(log_probability, 1e-12) << tick;
+      ASSERT_GT(filter.speed_variance(), 0.0) << tick;
+    }
+    for (int tick = 0; tick < 200; ++tick) {
+      filter.predict(200.0, 8.0, 0.0);
+      filter.read(3, remainder);
+    }
+    EXPECT_NEAR(filter.speed_mm_s(), remainder == Remainder::carried ? 200.0 : 230.0, 35.0)
+        << "and finds back";
+  }
+}
+
+TEST(AxisFilter, ForgetsOnReset) {
+  AxisFilter filter{{}};
+  AxisFilter fresh{{}};
+  for (int tick = 0; tick < 50; ++tick) {
+    filter.predict(300.0, 24.0, 0.0);
+    filter.read(4, Remainder::carried);
+  }
+  filter.reset();
+  EXPECT_EQ(filter.speed_mm_s(), 0.0);
+  EXPECT_EQ(filter.disturbance_mm_s(), 0.0);
+  filter.predict(100.0, 8.0, 0.0);
+  fresh.predict(100.0, 8.0, 0.0);
+  EXPECT_EQ(filter.read(1, Remainder::carried), fresh.read(1, Remainder::carried));
+  EXPECT_EQ(filter.speed_mm_s(), fresh.speed_mm_s());
+}
+
+}  // namespace
+}  // namespace cargobay::rt

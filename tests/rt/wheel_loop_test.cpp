@@ -1,0 +1,185 @@
+#include "rt/wheel_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/rt/plant.hpp"
+
+namespace cargobay::rt {
+namespace {
+
+using test::Plant;
+using test::PlantParameters;
+
+// The loop around the plant, tick by tick, as the control cycle runs it.
+class ClosedLoop {
+ public:
+  explicit ClosedLoop(const PlantParameters& plant, const WheelLoop::Parameters& parameters = {})
+      : plant_{plant}, loop_{parameters} {}
+
+  void tick(const WheelSpeeds& target) {
+    plant_.tick(command_);
+    loop_.frame(reads_ ? std::optional{plant_.read()} : std::nullopt);
+    command_ = loop_.control(target);
+    reads_ = loop_.next_reads();
+  }
+  void run(const WheelSpeeds& target, int ticks) {
+    for (int i = 0; i < ticks; ++i) tick(target);
+  }
+  WheelSpeeds mean_over(const WheelSpeeds& target, int ticks) {
+    WheelSpeeds sum;
+    for (int i = 0; i < ticks; ++i) {
+      tick(target);
+      sum.left_mm_s += plant_.truth().left_mm_s;
+      sum.right_mm_s += plant_.truth().right_mm_s;
+    }
+    return {sum.left_mm_s / ticks, sum.right_mm_s / ticks};
+  }
+
+  const WheelLoop& loop() const { return loop_; }
+  WheelLoop& loop() { return loop_; }
+  const Plant& plant() const { return plant_; }
+  WheelSpeeds command() const { return command_; }
+
+ private:
+  Plant plant_;
+  WheelLoop loop_;
+  WheelSpeeds command_{};
+  bool reads_ = true;
+};
+
+TEST(WheelLoop, TakesTheDroopAwayOnBothKindsOfRobot) {
+  for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
+    const double most = remainder == Remainder::carried ? 1.5 : 5.0;
+    for (const WheelSpeeds& target : {WheelSpeeds{60, 60}, WheelSpeeds{200, 200},
+                                      WheelSpeeds{-350, -350}, WheelSpeeds{-150, 150}}) {
+      ClosedLoop closed{{.remainder = remainder}};
+      closed.run(target, 100);
+      const WheelSpeeds mean = closed.mean_over(target, 400);
+      EXPECT_NEAR(mean.left_mm_s, target.left_mm_s, most);
+      EXPECT_NEAR(mean.right_mm_s, target.right_mm_s, most);
+    }
+  }
+}
+
+TEST(WheelLoop, SendsTheSetSpeedAsItIsWhereTheLoopIsOpen) {
+  ClosedLoop open{{}, {.feedback = WheelLoop::Feedback::open}};
+  open.run({200, 200}, 200);
+  EXPECT_EQ(open.command(), (WheelSpeeds{200, 200}));
+  EXPECT_LT(open.plant().truth().right_mm_s, 185.0) << "10 % short";
+}
+
+TEST(WheelLoop, CommandsWholeSpeedsWithinTheRobotsRange) {
+  ClosedLoop closed{{}};
+  for (int tick = 0; tick < 2000; ++tick) {
+    const double target = tick % 200 < 100 ? 500.0 : -500.0;
+    closed.tick({target, -target});
+    for (const double speed : {closed.command().left_mm_s, closed.command().right_mm_s}) {
+      ASSERT_EQ(speed, std::round(speed));
+      ASSERT_LE(std::abs(speed), 500.0);
+    }
+  }
+}
+
+TEST(WheelLoop, CommandsExactlyZeroOnceTheSetSpeedIsZero) {
+  for (const double target : {200.0, -333.0, 500.0}) {
+    ClosedLoop closed{{}};
+    closed.run({target, target}, 200);
+    closed.run({}, 34);  // 500 mm/s at 1000 mm/s^2: 34 ticks
+    EXPECT_EQ(closed.command(), WheelSpeeds{});
+    closed.run({}, 67);
+    EXPECT_EQ(closed.command(), WheelSpeeds{}) << "and nothing creeps";
+    EXPECT_EQ(closed.loop().set(), WheelSpeeds{});
+    EXPECT_NEAR(closed.loop().estimate().left_mm_s, 0.0, 2.0);
+  }
+}
+
+TEST(WheelLoop, LimitsTheAcceleration) {
+  ClosedLoop closed{{}, {.acceleration_mm_s2 = 400.0}};
+  WheelSpeeds former;
+  for (int tick = 0; tick < 300; ++tick) {
+    closed.tick(tick < 150 ? WheelSpeeds{300, -300} : WheelSpeeds{-300, 300});
+    const WheelSpeeds set = closed.loop().set();
+    ASSERT_LE(std::abs(set.left_mm_s - former.left_mm_s), 6.0 + 1e-9);
+    ASSERT_LE(std::abs(set.right_mm_s - former.right_mm_s), 6.0 + 1e-9);
+    former = set;
+  }
+}
+
+// What the integral learnt going forward is wrong going back.
+TEST(WheelLoop, DoesNotCarryTheIntegralThroughAReversal) {
+  ClosedLoop closed{{.noise_mm_s = 0.0}};
+  closed.run({300, 300}, 300);
+  double worst = 0.0;
+  for (int tick = 0; tick < 150; ++tick) {
+    closed.tick({-300, -300});
+    if (tick >= 60 + 30)
+      worst = std::max(worst, std::abs(closed.plant().truth().right_mm_s + 300.0));
+  }
+  EXPECT_LT(worst, 15.0) << "half a second behind the ramp";
+}
+
+TEST(WheelLoop, GoesOnFromTheFormerCommandWhereOneWasNotSent) {
+  ClosedLoop closed{{}};
+  closed.run({200, 200}, 100);
+  const WheelSpeeds former = closed.loop().command();
+  (void)closed.loop().control({250, 250});
+  closed.loop().not_sent(former);
+  EXPECT_EQ(closed.loop().command(), former);
+}
+
+TEST(WheelLoop, StartsFromStandingAfterAStop) {
+  ClosedLoop closed{{}};
+  closed.run({300, 300}, 200);
+  closed.loop().stop();
+  EXPECT_EQ(closed.loop().command(), WheelSpeeds{});
+  EXPECT_EQ(closed.loop().set(), WheelSpeeds{});
+  const WheelSpeeds next = closed.loop().control({300, 300});
+  EXPECT_EQ(closed.loop().set().left_mm_s, 15.0) << "by the acceleration limit";
+  EXPECT_LT(next.left_mm_s, 150.0);
+}
+
+TEST(WheelLoop, SurvivesALongSilence) {
+  ClosedLoop closed{{}};
+  closed.run({200, 200}, 200);
+  closed.loop().lost(1'000'000, true);  // bounded, and so quick
+  closed.run({200, 200}, 200);
+  EXPECT_NEAR(closed.mean_over({200, 200}, 200).left_mm_s, 200.0, 1.5);
+}
+
+// Recorded readings and targets give the same commands again, bit for bit.
+TEST(WheelLoop, CanBeReplayed) {
+  struct Step {
+    std::optional<WheelEstimator::Reading> reading;
+    WheelSpeeds target;
+    WheelSpeeds command;
+  };
+  std::vector<Step> recorded;
+  Plant plant{{.remainder = Remainder::lost}};
+  WheelLoop loop{{}};
+  WheelSpeeds command;
+  bool reads = true;
+  for (int tick = 0; tick < 1000; ++tick) {
+    plant.tick(command);
+    const auto reading = reads ? std::optional{plant.read()} : std::nullopt;
+    const WheelSpeeds target{tick % 300 < 150 ? 180.0 : -90.0, 120.0};
+    loop.frame(reading);
+    command = loop.control(target);
+    reads = loop.next_reads();
+    recorded.push_back({reading, target, command});
+  }
+  WheelLoop again{{}};
+  for (const Step& step : recorded) {
+    again.frame(step.reading);
+    ASSERT_EQ(again.control(step.target), step.command);
+    (void)again.next_reads();
+  }
+  EXPECT_EQ(again.estimate(), loop.estimate());
+}
+
+}  // namespace
+}  // namespace cargobay::rt

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs the tests; asks nothing, can be run again.
+# usage: tests/run.sh [--quick|--all]
+#   --all    clang-tidy, RealtimeSanitizer, fuzz targets and the cross build for the Raspberry Pi too
+#   --quick  dev build, the tests that are not slow, the layout check: under two minutes
+# Without either: the sanitizers for addresses, undefined behaviour and threads, and the release
+# build too. Logs are in build/log.
+set -euo pipefail
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+quick=0 all=0
+for argument in "$@"; do
+  case $argument in
+    --quick) quick=1 ;;
+    --all) all=1 ;;
+    *)
+      sed -n '2,8s/^# \{0,1\}//p' "$0" >&2
+      exit 2
+      ;;
+  esac
+done
+
+jobs=$(nproc)
+logs=$PWD/build/log
+mkdir -p "$logs"
+passed=0 failed=0 skipped=0
+# The sanitizers name lines only if they find llvm-symbolizer.
+PATH=$PATH:/usr/lib/llvm-22/bin
+
+# report NAME STATUS SECONDS TEXT: the one line of a stage; if it failed, the tail of its log
+# without ctest's lines about tests that passed.
+report() {
+  local verdict=ok
+  (($2 == 0)) || verdict=FAILED
+  printf '%-22s %-7s %4d s  %s\n' "$1" "$verdict" "$3" "$4"
+  (($2 == 0)) || grep -avE '^ +Start +[0-9]+: | Passed +[0-9.]+ sec$' "$logs/$1.log" |
+    tail -n "${5:-40}" | sed 's/^/    /' || true
+}
+
+# stage NAME COMMAND...: counts as one check.
+stage() {
+  local name=$1 begin=$SECONDS status=0
+  shift
+  "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
+  if ((status == 0)); then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+  report "$name" "$status" $((SECONDS - begin)) ""
+  return "$status"
+}
+
+# tests PRESET CTEST-ARGUMENT...: counts every test.
+tests() {
+  local preset=$1 begin=$SECONDS status=0 junit head total bad idle
+  shift
+  local name=$preset-tests
+  junit=$logs/$name.xml
+  rm -f "$junit"
+  ctest --preset "$preset" -j "$jobs" --output-junit "$junit" "$@" \
+    > "$logs/$name.log" 2>&1 < /dev/null || status=$?
+  head=$(tr '\n' ' ' < "$junit" 2> /dev/null | grep -oE '<testsuite [^>]*>' | head -n 1) || head=''
+  attribute() { sed -nE "s/.*[[:space:]]$1=\"([0-9]+)\".*/\1/p" <<< "$head"; }
+  total=$(attribute tests) bad=$(attribute failures) idle=$(($(attribute skipped) + $(attribute disabled)))
+  total=${total:-0} bad=${bad:-0}
+  # A run without one test, or one that died, is a failure that nobody counted.
+  ((total > 0)) || status=1
+  if ((status != 0 && bad == 0)); then bad=1 total=$((total + 1)); fi
+  passed=$((passed + total - bad - idle)) failed=$((failed + bad)) skipped=$((skipped + idle))
+  report "$name" "$status" $((SECONDS - begin)) \
+    "$((total - bad - idle)) passed, $bad failed, $idle skipped" 80
+}
+
+# build PRESET [TARGET...]
+build() {
+  local preset=$1
+  shift
+  cmake --preset "$preset" && cmake --build --preset "$preset" -j "$jobs" ${@+--target "$@"}
+}
+
+# fuzz: every target for some seconds, from its corpus.
+fuzz() {
+  local target name
+  for target in build/fuzz/tests/fuzz_*; do
+    [[ -x $target && ! -d $target ]] || continue
+    name=${target##*/fuzz_}
+    mkdir -p "build/fuzz/corpus/$name"
+    local corpora=("build/fuzz/corpus/$name")
+    [[ ! -d tests/fuzz/corpus/$name ]] || corpora+=("tests/fuzz/corpus/$name")
+    echo "== $name"
+    "$target" -max_total_time="${CARGOBAY_FUZZ_SECONDS:-10}" -artifact_prefix=build/fuzz/ \
+      -print_final_stats=1 "${corpora[@]}" || return 1
+  done
+}
+
+finish() {
+  local text="$passed passed, $failed failed"
+  ((skipped == 0)) || text+=", $skipped skipped"
+  echo "$text"
+  ((failed == 0))
+}
+
+if ((quick)); then
+  stage install .ci/packages.sh quick || { finish; exit 1; }
+  if stage dev-build build dev; then tests dev -L '^(unit|sim|pty)$'; fi
+  stage format tests/lint.sh --format || true
+  finish
+  exit
+fi
+
+stage install .ci/packages.sh test || { finish; exit 1; }
+if stage dev-build build dev; then tests dev; fi
+presets=(asan tsan)
+if ((all)); then
+  presets+=(rtsan)
+  stage lint tests/lint.sh || true
+else
+  stage format tests/lint.sh --format || true
+fi
+for preset in "${presets[@]}"; do
+  if stage "$preset-build" build "$preset"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
+done
+if ((all)) && compgen -G 'tests/fuzz/*.cpp' > /dev/null; then
+  if stage fuzz-build build fuzz; then stage fuzz-run fuzz || true; fi
+fi
+if ((all)); then stage aarch64-build build aarch64 || true; fi
+stage release-build build release || true
+finish

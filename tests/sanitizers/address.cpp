@@ -1,0 +1,8 @@
+// Wrong on purpose: reads behind a heap block.
+#include <cstdio>
+#include <memory>
+
+int main(int argc, char** /*argv*/) {
+  const auto bytes = std::make_unique<char[]>(4);
+  std::printf("%d\n", bytes[static_cast<unsigned>(argc) + 3U]);
+}

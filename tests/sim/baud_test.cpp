@@ -1,0 +1,109 @@
+// OI p. 7: the Baud command, and what arrives at another rate.
+#include "oi/baud.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hal/sim/rate_change.hpp"
+#include "robot.hpp"
+
+namespace cargobay::hal::sim {
+namespace {
+
+using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
+
+TEST(Baud, ChangesToEachOfTheTwelveRatesAndBack) {
+  for (std::size_t code = 0; code < oi::kBaudRates.size(); ++code) {
+    Robot robot;
+    robot.send({128, 129, static_cast<std::uint8_t>(code)});
+    robot.wait(100ms);
+    ASSERT_FALSE(robot.link.set_baud(oi::kBaudRates[code]));
+    robot.send({142});
+    robot.wait(200us);  // 115200 needs it
+    robot.send({35});
+    robot.wait(100ms);
+    EXPECT_EQ(robot.receive(), (Bytes{1})) << oi::kBaudRates[code];
+  }
+}
+
+TEST(Baud, IgnoresACodeItDoesNotHave) {
+  Robot robot;
+  robot.send({128, 129, 12});
+  EXPECT_EQ(robot.device.baud(), 57600U);
+  EXPECT_EQ(robot.ask({142, 35}), (Bytes{1}));
+}
+
+TEST(Baud, ChangesWhenTheLastByteHasLeft) {
+  Robot robot;
+  robot.send({128, 142, 6, 129, 7});
+  EXPECT_EQ(robot.device.baud(), 57600U);
+  robot.wait(52 * 174us);
+  EXPECT_EQ(robot.device.baud(), 19200U);
+  EXPECT_EQ(robot.receive().size(), 52U);
+}
+
+TEST(Baud, HearsNothingForAHundredMilliseconds) {
+  Robot robot;
+  robot.send({128, 129, 7});
+  robot.wait(90ms);
+  ASSERT_FALSE(robot.link.set_baud(19200));
+  robot.send({132});
+  EXPECT_EQ(robot.device.mode(), oi::Mode::passive);
+  EXPECT_EQ(robot.device.counters().bytes_unheard, 1U);
+  robot.wait(10ms);
+  robot.send({132});
+  EXPECT_EQ(robot.device.mode(), oi::Mode::full);
+}
+
+TEST(Baud, IsBootedAtTheRateItIsGiven) {
+  Parameters parameters;
+  parameters.boot_baud = 19200;
+  Robot robot{parameters};
+  EXPECT_EQ(robot.link.baud(), 19200U);
+  robot.send({128});
+  EXPECT_EQ(robot.device.mode(), oi::Mode::passive);
+}
+
+TEST(Baud, HearsNoStartAtAWrongRate) {
+  for (const std::uint32_t baud : oi::kBaudRates) {
+    if (baud == 57600) continue;
+    Robot robot;
+    ASSERT_FALSE(robot.link.set_baud(baud));
+    robot.send({128});
+    robot.wait(100ms);
+    EXPECT_EQ(robot.device.mode(), oi::Mode::off) << baud;
+  }
+}
+
+TEST(Baud, GarblesTheStreamAtAWrongRate) {
+  Robot robot;
+  robot.send({128, 148, 1, 35});
+  ASSERT_FALSE(robot.link.set_baud(19200));
+  robot.wait(1s);
+  const Bytes garbled = robot.receive();
+  EXPECT_FALSE(garbled.empty());
+  EXPECT_EQ(std::count(garbled.begin(), garbled.end(), 19), 0);
+}
+
+TEST(Baud, LosesBytesThatComeTooFastAt115200) {
+  Parameters parameters;
+  parameters.boot_baud = 115200;
+  Robot robot{parameters};
+  robot.send({128, 132});
+  EXPECT_EQ(robot.device.mode(), oi::Mode::passive) << "86.8 us after the one before";
+  robot.wait(200us);
+  robot.send({132});
+  EXPECT_EQ(robot.device.mode(), oi::Mode::full);
+  EXPECT_EQ(robot.device.counters().bytes_unheard, 1U);
+}
+
+TEST(RateChange, PutsABaudCommandAndWhatIsBeforeItAtTheFormerRate) {
+  EXPECT_EQ(sent_before_change(Bytes{129, 7}, 19200), 2U);
+  EXPECT_EQ(sent_before_change(Bytes{128, 129, 7, 128}, 19200), 3U);
+  EXPECT_EQ(sent_before_change(Bytes{128, 129, 7}, 57600), 0U);
+  EXPECT_EQ(sent_before_change(Bytes{128, 132}, 19200), 0U);
+  EXPECT_EQ(sent_before_change(Bytes{}, 19200), 0U);
+  EXPECT_EQ(sent_before_change(Bytes{129, 7}, 12345), 0U);
+}
+
+}  // namespace
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,124 @@
+// OI p. 6 and 7: what each mode hears and what changes it.
+#include <gtest/gtest.h>
+
+#include "robot.hpp"
+
+namespace cargobay::hal::sim {
+namespace {
+
+using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
+using oi::Mode;
+
+TEST(Modes, BeginOff) { EXPECT_EQ(Robot{}.device.mode(), Mode::off); }
+
+TEST(Modes, OffHearsOnlyStart) {
+  Robot robot;
+  for (int opcode = 0; opcode < 256; ++opcode) {
+    if (opcode != 128) robot.send({static_cast<std::uint8_t>(opcode)});
+  }
+  EXPECT_EQ(robot.device.mode(), Mode::off);
+  EXPECT_TRUE(robot.receive().empty());
+  robot.send({128});
+  EXPECT_EQ(robot.device.mode(), Mode::passive);
+  EXPECT_EQ(robot.ask({142, 35}), (Bytes{1})) << "nothing was half-sent while it was off";
+}
+
+TEST(Modes, ChangeByTheirCommands) {
+  Robot robot;
+  robot.send({128});
+  robot.send({131});
+  EXPECT_EQ(robot.device.mode(), Mode::safe);
+  robot.send({132});
+  EXPECT_EQ(robot.device.mode(), Mode::full);
+  robot.send({130});
+  EXPECT_EQ(robot.device.mode(), Mode::safe) << "Control is Safe";
+  robot.send({128});
+  EXPECT_EQ(robot.device.mode(), Mode::passive);
+}
+
+TEST(Modes, BecomePassiveWithADemo) {
+  for (const std::uint8_t opcode : Bytes{134, 135, 143}) {
+    Robot robot;
+    robot.send({128, 132, opcode});
+    EXPECT_EQ(robot.device.mode(), Mode::passive) << int{opcode};
+  }
+  Robot robot;
+  robot.send({128, 132, 136, 255});
+  EXPECT_EQ(robot.device.mode(), Mode::passive);
+}
+
+TEST(Modes, PassiveRefusesEveryActuator) {
+  Robot robot;
+  robot.send({128});
+  robot.send({137, 0,   100, 128, 0,   145, 0,   100, 0,   100, 139, 10, 255, 255, 138, 7,
+              144, 128, 128, 128, 147, 7,   151, 9,   140, 0,   1,   60, 64,  141, 0});
+  EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
+  EXPECT_FALSE(robot.device.actuators().leds.play);
+  EXPECT_EQ(robot.device.actuators().low_side_drivers[2], 0);
+  EXPECT_EQ(robot.device.actuators().infrared_count, 0U);
+  EXPECT_FALSE(robot.device.songs().playing());
+  EXPECT_EQ(robot.device.counters().commands_refused, 8U) << "all but Song, which is not one";
+}
+
+TEST(Modes, PassiveAnswersSensors) {
+  Robot robot;
+  robot.send({128});
+  EXPECT_EQ(robot.ask({142, 35}), (Bytes{1}));
+}
+
+TEST(Modes, TurnTheLedsOffWhenSafeBegins) {
+  Robot robot;
+  robot.send({128, 132, 139, 10, 255, 128});
+  EXPECT_TRUE(robot.device.actuators().leds.advance);
+  robot.send({131});
+  EXPECT_FALSE(robot.device.actuators().leds.advance);
+  EXPECT_EQ(robot.device.actuators().leds.power_intensity, 0);
+}
+
+TEST(Modes, StopTheMotorsWhenPassiveBegins) {
+  Robot robot;
+  robot.send({128, 132, 145, 0, 100, 0, 100, 138, 7});
+  EXPECT_EQ(robot.device.commanded().left_mm_s, 100.0);
+  robot.send({128});
+  EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
+  EXPECT_EQ(robot.device.actuators().low_side_drivers[0], 0);
+  robot.wait(2s);
+  EXPECT_EQ(robot.device.truth().speeds.left_mm_s, 0.0);
+}
+
+TEST(Modes, KeepDrivingBetweenSafeAndFull) {
+  Robot robot;
+  robot.send({128, 131, 145, 0, 100, 0, 100, 132});
+  EXPECT_EQ(robot.device.commanded().right_mm_s, 100.0);
+}
+
+TEST(Modes, WaitForTheBytesOfAHalfSentCommand) {
+  Robot robot;
+  robot.send({128, 132, 145, 0});
+  robot.wait(5s);
+  robot.send({128, 131, 142});  // its data, whatever they mean elsewhere
+  EXPECT_EQ(robot.device.mode(), Mode::full);
+  EXPECT_EQ(robot.device.commanded().right_mm_s, 128.0);
+  EXPECT_EQ(robot.device.commanded().left_mm_s, -500.0) << "131 142 is -31858, which it cannot do";
+  robot.send({131});
+  EXPECT_EQ(robot.device.mode(), Mode::safe);
+}
+
+TEST(Modes, IgnoreUnknownOpcodes) {
+  Robot robot;
+  robot.send({128, 173, 0, 127, 255, 7, 132});
+  EXPECT_EQ(robot.device.mode(), Mode::full);
+  EXPECT_EQ(robot.device.counters().unknown_opcodes, 5U);
+}
+
+TEST(Modes, AreFreedFromAnyHalfSentCommandByStarts) {
+  // The longest that the parser can be made to wait for is a song of 255 notes.
+  Robot robot;
+  robot.send({128, 132, 140, 0, 255});
+  robot.send(Bytes(510, 128));
+  robot.send({131});
+  EXPECT_EQ(robot.device.mode(), Mode::safe);
+}
+
+}  // namespace
+}  // namespace cargobay::hal::sim
