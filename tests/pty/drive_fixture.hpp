@@ -70,7 +70,8 @@ class DriveTest : public testing::Test {
   void serve(const hal::sim::Parameters& parameters) {
     server_.reset();
     drives_.clear();
-    auto server = hal::sim::Server::open(parameters, {});
+    // Where it may, as the command runs its own: above ordinary work, below the loop.
+    auto server = hal::sim::Server::open(parameters, {.priority = 70});
     ASSERT_TRUE(server) << server.failure().message;
     server_ = std::move(*server);
     server_->with_device([this](hal::sim::Device& device) {
