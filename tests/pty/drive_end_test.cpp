@@ -141,8 +141,6 @@ INSTANTIATE_TEST_SUITE_P(Each, DriveHazardTest, testing::Values(kCliff, kWheelDr
 
 // A second command in one tick would make the first one void: the robot moves on at each tick only.
 TEST_F(DriveTest, CommandsOnceATick) {
-  if (server_->priority_error() != 0)
-    GTEST_SKIP() << "without SCHED_FIFO the virtual wire is late at times, and ticks with it";
   Command command{drive({"--duration", "2", "--profile", "square"})};
   ASSERT_EQ(command.exit_code(), 0) << command.err();
   std::vector<hal::sim::DriveRecord> commands = drives();

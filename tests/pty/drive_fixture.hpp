@@ -70,8 +70,7 @@ class DriveTest : public testing::Test {
   void serve(const hal::sim::Parameters& parameters) {
     server_.reset();
     drives_.clear();
-    // Where it may, as the command runs its own: above ordinary work, below the loop.
-    auto server = hal::sim::Server::open(parameters, {.priority = 70});
+    auto server = hal::sim::Server::open(parameters, {});
     ASSERT_TRUE(server) << server.failure().message;
     server_ = std::move(*server);
     server_->with_device([this](hal::sim::Device& device) {

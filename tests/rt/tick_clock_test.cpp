@@ -244,6 +244,33 @@ TEST(TickClock, FindsThePhaseWhereTheFirstFrameWasLate) {
   }
 }
 
+TEST(TickClock, KnowsWhichFrameWasDueLast) {
+  TickClock clock{kTick};
+  clock.start(kStart);
+  for (int tick = 1; tick <= 5; ++tick) (void)clock.arrived(kStart + tick * kTick, 1);
+  const TimePoint due = kStart + 5 * kTick;
+  EXPECT_EQ(clock.due_by(due), due);
+  EXPECT_EQ(clock.due_by(due + kTick - 1ns), due);
+  EXPECT_EQ(clock.due_by(due + kTick), due + kTick);
+  EXPECT_EQ(clock.due_by(due + 7 * kTick + 3ms), due + 7 * kTick);
+  EXPECT_EQ(clock.due_by(due - 1ns), due - kTick) << "also in the past";
+  EXPECT_EQ(clock.due_by(due - 2 * kTick - 1ns), due - 3 * kTick);
+}
+
+TEST(TickClock, SaysWhereItsPhaseWasWrong) {
+  TickClock clock{kTick};
+  clock.start(kStart + 9ms);  // late, which nobody knows yet
+  EXPECT_FALSE(clock.in_phase()) << "one frame shows no phase";
+  (void)clock.arrived(kStart + kTick, 1);  // 9 ms before its time
+  EXPECT_FALSE(clock.in_phase());
+  (void)clock.arrived(kStart + 2 * kTick, 1);
+  EXPECT_TRUE(clock.in_phase());
+  (void)clock.arrived(kStart + 3 * kTick + 11ms, 1);
+  EXPECT_TRUE(clock.in_phase()) << "late is no doubt about the phase";
+  (void)clock.arrived(kStart + 4 * kTick - 1ms, 1);
+  EXPECT_TRUE(clock.in_phase()) << "nor is a little early";
+}
+
 TEST(TickClock, BeginsAnewWhenStartedAgain) {
   TickClock clock{kTick};
   clock.start(kStart);
