@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include "oi/text_slice.hpp"
 
@@ -24,10 +23,7 @@ struct Defaults {
   int beats_per_minute = 63;
 };
 
-constexpr bool is_division(int number) {
-  return number >= 1 && number <= kMaxDivision &&
-         std::has_single_bit(static_cast<unsigned>(number));
-}
+constexpr bool is_division(int number) { return number >= 1 && kMaxDivision % number == 0; }
 
 // One note as written.
 struct Written {
