@@ -10,9 +10,9 @@
 // What the checksum cannot tell passes: of damaged bytes that have the structure of a frame, 1 in
 // 256 is believed, 2 in 256 while the form of the checksum is not known yet.
 //
-// Memory: about 1 KiB, in place. Time: a few instructions for most bytes; what is refused is read
-// again, at worst 258 bytes from each of 85 false headers in them (a line made to be the worst took
-// 40 us for one byte where a good one took 1 ns). No clock: a caller who finds the line quiet says
+// Memory: about 1 KiB, in place. Time: a few instructions for most bytes. What is refused is read
+// again: at worst 258 bytes from each of 85 false headers among them, some 30 us for one byte on a
+// line made for that (tests/bench/oi_bench.cpp). No clock: a caller who finds the line quiet says
 // so by abandon().
 #pragma once
 
@@ -264,22 +264,17 @@ class StreamDecoder {
     if (text_ != nullptr) text_->push(byte);
   }
 
-  // Notes the 19s in the candidate behind its header, and, as soon as there are two of them, where
-  // the frames would end that begin with them: to look for these at each byte would take long.
+  // Notes the 19s in the candidate behind its header, and where the frames would end that begin
+  // with any but the first of them: to look for two frames at each byte would take long.
   constexpr void watch_for_frames_inside(std::uint8_t byte) {
     const auto offset = static_cast<std::uint16_t>(read_ - 1 - begin_);
-    if (header_count_ >= 2 && headers_[header_count_ - 1] + 1U == offset) expect_end_of_last();
-    if (byte != kFrameHeader) return;
-    if (header_count_ == 1) {
-      expected_ends_ = {};
-      expect_end_of_last();
+    if (header_count_ >= 2 && headers_[header_count_ - 1] + 1U == offset) {
+      const std::size_t end = offset - 1U + byte + kFrameOverhead;
+      if (end <= kMaxFrameBytes) expected_ends_[end / 64] |= std::uint64_t{1} << (end % 64);
     }
+    if (byte != kFrameHeader) return;
+    if (header_count_ == 1) expected_ends_ = {};
     headers_[header_count_++] = offset;
-  }
-  constexpr void expect_end_of_last() {
-    const std::size_t header = headers_[header_count_ - 1];
-    const std::size_t end = header + held_[begin_ + header + 1] + kFrameOverhead;
-    if (end <= kMaxFrameBytes) expected_ends_[end / 64] |= std::uint64_t{1} << (end % 64);
   }
   constexpr bool a_frame_may_end_here() const {
     const std::size_t end = read_ - begin_;

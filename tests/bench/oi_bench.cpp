@@ -131,6 +131,26 @@ void decode_noise(benchmark::State& state) {
 }
 BENCHMARK(decode_noise)->ArgName("with_19s")->Arg(0)->Arg(1);
 
+// A frame with a wrong checksum, in which every third byte begins another, of the same end and with
+// a wrong checksum too.
+void decode_worst_line(benchmark::State& state) {
+  std::vector<std::uint8_t> frame{kFrameHeader, 255};
+  for (std::size_t left = 252; frame.size() + 1 < kMaxFrameBytes; left -= 3) {
+    frame.insert(frame.end(), {22, kFrameHeader, static_cast<std::uint8_t>(left)});
+  }
+  frame.push_back(0);
+  StreamDecoder decoder{Checksum::including_header};
+  for ([[maybe_unused]] auto round : state) {
+    for (const std::uint8_t byte : frame) {
+      auto outcome = decoder.push(byte);
+      while (outcome != StreamDecoder::Outcome::nothing) outcome = decoder.next();
+    }
+  }
+  state.counters["refused"] = static_cast<double>(decoder.counters().bad_checksum) /
+                              static_cast<double>(state.iterations());
+}
+BENCHMARK(decode_worst_line);
+
 void encode_drive_direct(benchmark::State& state) {
   std::int32_t speed = 0;
   for ([[maybe_unused]] auto round : state) {
