@@ -200,7 +200,7 @@ hal::Result<std::unique_ptr<hal::sim::Server>> start_virtual_create(const Option
 }
 
 int drive(const Options& options) {
-  StopSignals signals;
+  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
     return kFailure;

@@ -1,7 +1,10 @@
 // The command `cargobay`.
 
+#include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
@@ -37,7 +40,12 @@ int run(int argc, char** argv) {
     cli::print_error(std::string{error.what()} + "; see: cargobay --help");
     return cli::kUsageError;
   }
-  return chosen();
+  const int code = chosen();
+  // What is printed to a file or a pipe may only now find out that it cannot be written.
+  if (std::fflush(stdout) == 0 || code != cli::kSuccess) return code;
+  cli::print_error("cannot write to standard output: " +
+                   std::error_code{errno, std::generic_category()}.message());
+  return cli::kFailure;
 }
 
 }  // namespace

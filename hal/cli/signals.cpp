@@ -4,14 +4,16 @@
 
 namespace cargobay::cli {
 
-StopSignals::StopSignals() {
+StopSignals::StopSignals(std::initializer_list<int> more) {
   sigemptyset(&signals_);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&signals_, signal);
+  for (const int signal : more) sigaddset(&signals_, signal);
   // Under nohup the terminal may go away; blocked, its signal would be waited for all the same.
   struct sigaction hang_up{};
   if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler == SIG_IGN)
     sigdelset(&signals_, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  (void)std::signal(SIGPIPE, SIG_IGN);  // cannot fail
 }
 
 std::optional<int> StopSignals::wait(rt::Duration timeout) {

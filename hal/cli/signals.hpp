@@ -3,6 +3,7 @@
 #pragma once
 
 #include <csignal>
+#include <initializer_list>
 #include <optional>
 
 #include "rt/clock.hpp"
@@ -11,8 +12,9 @@ namespace cargobay::cli {
 
 class StopSignals {
  public:
-  // Blocks them for this thread and every thread started after.
-  StopSignals();
+  // Blocks them, and `more`, for this thread and every thread started after. SIGPIPE is ignored
+  // from here on: that nobody reads our output any more ends nothing halfway.
+  explicit StopSignals(std::initializer_list<int> more = {});
   // The signal that came; nothing where none came for that long.
   std::optional<int> wait(rt::Duration timeout);
 

@@ -4,6 +4,7 @@
 #include <grp.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <termios.h>
@@ -73,6 +74,7 @@ bool give_up_rights() {
   dup2(out.theirs, STDOUT_FILENO);
   dup2(err.theirs, STDERR_FILENO);
   if (setup.user == Setup::User::nobody && !give_up_rights()) _exit(kNotStarted);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);     // where the tests are killed, no command stays behind
   fexecve(binary, arguments, environ);  // by descriptor: nobody may not see the folder
   _exit(kNotStarted);
 }

@@ -73,6 +73,29 @@ TEST_F(DriveTest, GoesOnWithoutItsTerminalUnderNohup) {
   EXPECT_EQ(command.exit_code(), 128 + SIGTERM);
 }
 
+// Suspended, it would leave the robot rolling.
+TEST_F(DriveTest, StopsOnControlZOfItsTerminal) {
+  Command command{drive({"--duration", "60"}), kOnTerminal};
+  ASSERT_TRUE(starts_to_move());
+  command.type("\x1a");
+  EXPECT_EQ(command.exit_code(), 128 + SIGTSTP);
+  EXPECT_EQ(mode(), oi::Mode::passive);
+  EXPECT_TRUE(stands_still());
+}
+
+// As in `cargobay drive | head -1`.
+TEST_F(DriveTest, EndsProperlyWhereNobodyReadsItsOutput) {
+  const TemporaryFolder folder;
+  Command command{drive({"--duration", "0.6", "--json", folder.path("a.json")})};
+  ASSERT_TRUE(starts_to_move());
+  command.close_terminal();
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), OneErrorLine("Broken pipe"));
+  EXPECT_EQ(mode(), oi::Mode::passive);
+  EXPECT_TRUE(stands_still());
+  EXPECT_TRUE(std::filesystem::exists(folder.path("a.json"))) << "the results are not lost";
+}
+
 // As when a connection over ssh breaks.
 TEST_F(DriveTest, StopsWhenItsTerminalGoesAway) {
   Command command{drive({"--duration", "60"}), kOnTerminal};
