@@ -65,7 +65,7 @@ TEST(SimCommand, RefusesALinkInThePlaceOfAFile) {
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.err(), OneErrorLine("remove it or name another"));
   EXPECT_THAT(command.out(), IsEmpty());
-  EXPECT_TRUE(std::filesystem::is_regular_file(file));
+  ASSERT_TRUE(std::filesystem::is_regular_file(file));
   EXPECT_EQ(contents(file), "mine");
 }
 

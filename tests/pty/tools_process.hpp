@@ -24,21 +24,10 @@ struct Outcome {
 class ToolProcess {
  public:
   explicit ToolProcess(const std::vector<std::string>& arguments, const std::string& input = "")
-      : input_{temporary_file()}, output_{temporary_file()}, error_{temporary_file()} {
-    std::ofstream{input_, std::ios::binary} << input;
-    std::string program = CARGOBAY_BINARY_DIR "/cargobay";
-    std::vector<std::string> words = arguments;
-    std::vector<char*> argv{program.data()};
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    process_ = fork();
-    if (process_ != 0) return;
-    redirect(input_, O_RDONLY, STDIN_FILENO);
-    redirect(output_, O_WRONLY, STDOUT_FILENO);
-    redirect(error_, O_WRONLY, STDERR_FILENO);
-    execv(program.c_str(), argv.data());
-    _exit(127);
-  }
+      : input_{temporary_file(input)},
+        output_{temporary_file("")},
+        error_{temporary_file("")},
+        process_{start(arguments)} {}
   ~ToolProcess() {
     if (process_ > 0) {
       kill(process_, SIGKILL);
@@ -62,14 +51,29 @@ class ToolProcess {
   }
 
  private:
-  static std::string temporary_file() {
+  // What the child needs is made before the fork: there are other threads here.
+  pid_t start(std::vector<std::string> words) const {
+    words.insert(words.begin(), CARGOBAY_BINARY_DIR "/cargobay");
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    const pid_t process = fork();
+    if (process != 0) return process;
+    redirect(input_, O_RDONLY, STDIN_FILENO);
+    redirect(output_, O_WRONLY, STDOUT_FILENO);
+    redirect(error_, O_WRONLY, STDERR_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  static std::string temporary_file(const std::string& content) {
     std::string path = "/tmp/cargobay-tool-XXXXXX";
     close(mkstemp(path.data()));
+    std::ofstream{path, std::ios::binary} << content;
     return path;
   }
   static void redirect(const std::string& path, int flags, int descriptor) {
     const int file = open(path.c_str(), flags | O_CLOEXEC);
-    dup2(file, descriptor);
+    if (file < 0 || dup2(file, descriptor) < 0) _exit(126);
   }
   static std::string content(const std::string& path) {
     std::ostringstream text;
@@ -80,7 +84,7 @@ class ToolProcess {
   std::string input_;
   std::string output_;
   std::string error_;
-  pid_t process_ = -1;
+  pid_t process_;
 };
 
 inline Outcome run_tool(const std::vector<std::string>& arguments, const std::string& input = "") {

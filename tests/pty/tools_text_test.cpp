@@ -9,7 +9,6 @@ namespace cargobay::test {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 using Words = std::vector<std::string>;
 
