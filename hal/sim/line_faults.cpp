@@ -21,7 +21,6 @@ void FaultyLine::hold(rt::Duration now, std::uint8_t byte) {
   // A full packet does not wait for the timer.
   if (faults_.latency_timer == rt::Duration{0} || held_.size() < kAdapterBytes) return;
   for (std::size_t i = 0; i < held_.size(); ++i) held_[i].due = std::min(held_[i].due, now);
-  last_due_ = now;
 }
 
 rt::Duration FaultyLine::let_through_at(rt::Duration now) {
@@ -35,8 +34,7 @@ rt::Duration FaultyLine::let_through_at(rt::Duration now) {
         (due.count() + faults_.latency_timer.count() - 1) / faults_.latency_timer.count();
     due = faults_.latency_timer * periods;
   }
-  last_due_ = std::max(due, last_due_);
-  return last_due_;
+  return due;
 }
 
 std::optional<rt::Duration> FaultyLine::next() const {

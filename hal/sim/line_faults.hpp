@@ -64,9 +64,7 @@ class FaultyLine {
 
   LineFaults faults_{};
   Random random_;
-  RingBuffer<Held> held_;
-  rt::Duration last_due_{0};
-  rt::Duration adapter_sends_at_{0};
+  RingBuffer<Held> held_;  // let through in their order, each not before it is due
 };
 
 }  // namespace cargobay::hal::sim

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/rate_change.hpp"
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
@@ -35,8 +35,9 @@ TEST(Baud, IgnoresACodeItDoesNotHave) {
 TEST(Baud, ChangesWhenTheLastByteHasLeft) {
   Robot robot;
   robot.send({128, 142, 6, 129, 7});
+  robot.wait(8ms);
   EXPECT_EQ(robot.device.baud(), 57600U);
-  robot.wait(52 * 174us);
+  robot.wait(1ms);
   EXPECT_EQ(robot.device.baud(), 19200U);
   EXPECT_EQ(robot.receive().size(), 52U);
 }

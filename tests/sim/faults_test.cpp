@@ -7,7 +7,7 @@
 #include "hal/sim/fault_command.hpp"
 #include "hal/sim/line_faults.hpp"
 #include "oi/checksum.hpp"
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

@@ -1,7 +1,7 @@
 // OI p. 6 and 7: what each mode hears and what changes it.
 #include <gtest/gtest.h>
 
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

@@ -1,7 +1,7 @@
 // OI p. 9 to 12: LEDs, outputs, drivers, infrared, songs; p. 15: scripts as they are stored.
 #include <gtest/gtest.h>
 
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/brc_detector.hpp"
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
@@ -200,9 +200,13 @@ TEST(Brc, YieldsToABaudCommand) {
   Robot robot;
   for (int i = 0; i < 3; ++i) pulse(robot, 100ms, 100ms);
   ASSERT_FALSE(robot.link.set_baud(19200));
-  robot.send({128, 129, 10});
+  robot.send({128, 129, 5});
   robot.wait(200ms);
-  EXPECT_EQ(robot.device.baud(), 57600U);
+  EXPECT_EQ(robot.device.baud(), 9600U);
+  robot.device.press_power();
+  robot.device.press_power();
+  robot.wait(4s);
+  EXPECT_EQ(robot.device.baud(), 57600U) << "the pulses are forgotten";
 }
 
 TEST(Brc, IsBitFourOfTheDigitalInputs) {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

@@ -1,7 +1,7 @@
 // OI p. 15 and 16: scripts, and the Wait commands they are made for.
 #include <gtest/gtest.h>
 
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "oi/packet_table.hpp"
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "hal/sim/random.hpp"
 #include "oi/baud.hpp"
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

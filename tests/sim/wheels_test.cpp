@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
@@ -104,6 +104,19 @@ TEST(Wheels, CountBothWaysOverAnEdgeWhereTheDirectionChanges) {
   const double there = 282.0 * 0.1 * (1.0 - std::log(2.0));
   const double back = travel + there - wheels.left().travel_mm();
   EXPECT_NEAR(static_cast<double>(wheels.left().edges() - edges), (there + back) * 7.8324, 2.0);
+}
+
+TEST(Wheel, LosesNoEdgeWhereAStepHoldsTheReversal) {
+  const auto edges = [](int pieces) {
+    const WheelParameters parameters;
+    Wheel wheel{parameters, 0.0};
+    wheel.set_command(300.0);
+    wheel.advance(1.0);
+    wheel.set_command(-300.0);
+    for (int i = 0; i < pieces; ++i) wheel.advance(0.2 / pieces);
+    return wheel.edges();
+  };
+  EXPECT_EQ(edges(1), edges(2000));
 }
 
 TEST(Wheels, RepeatTheirNoiseUnderOneSeedAndNotUnderAnother) {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/world_drawing.hpp"
-#include "robot.hpp"
+#include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
