@@ -1,0 +1,220 @@
+// A Robot from open() to stop(), in virtual time: its thread runs as fast as the link lets it.
+
+#include "hal/robot.hpp"
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/sim/device.hpp"
+#include "hal/sim/virtual_link.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+constexpr rt::RealtimeRequest kNoRights{.lock_memory = false, .hold_dma_latency = false};
+
+class RobotTest : public testing::Test {
+ protected:
+  // The link is the robot's; whoever wants to break it does so through here.
+  std::unique_ptr<ByteStream> make_link() {
+    auto link = std::make_unique<sim::VirtualLink>(device);
+    link_ = link.get();
+    return link;
+  }
+  // Asks for 200 mm/s, and ends after so many frames.
+  struct Driver {
+    Robot* robot = nullptr;
+    int frames = 100;
+    std::atomic<int> calls{0};
+    std::function<void()> also{};  // instead of ending
+
+    static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
+                                   double /*seconds*/) noexcept {
+      auto& self = *static_cast<Driver*>(context);
+      if (++self.calls == self.frames) {
+        if (self.also) {
+          self.also();
+        } else {
+          self.robot->cycle().request_stop();
+        }
+      }
+      return {200.0, 200.0};
+    }
+  };
+  void expect_standing_in_passive() const {
+    EXPECT_EQ(device.mode(), oi::Mode::passive);
+    EXPECT_EQ(device.commanded(), sim::WheelSpeeds{});
+  }
+  static void wait_for_end(const Robot& robot) {
+    while (!robot.ended()) std::this_thread::yield();
+  }
+
+  sim::Device device{sim::Parameters{}};
+  sim::VirtualLink* link_ = nullptr;  // the robot's
+};
+
+TEST_F(RobotTest, DrivesAndIsLeftStanding) {
+  std::vector<std::string> steps;
+  auto robot = Robot::open(make_link(),
+                           {.realtime = kNoRights,
+                            .progress = [&](std::string_view step) { steps.emplace_back(step); }});
+  ASSERT_TRUE(robot) << robot.failure().message;
+  EXPECT_EQ(steps, (std::vector<std::string>{"Start", "Safe", "Stream"}));
+  Driver driver{.robot = robot->get()};
+  const auto grant = (*robot)->start({.function = &Driver::control, .context = &driver});
+  ASSERT_TRUE(grant) << grant.failure().message;
+  wait_for_end(**robot);
+  const Robot::Farewell farewell = (*robot)->stop();
+  EXPECT_EQ(farewell.end, CycleEnd::asked);
+  EXPECT_TRUE(farewell.confirmed_passive);
+  EXPECT_EQ(driver.calls, 100);
+  EXPECT_EQ((*robot)->cycle().frames().good, 100U);
+  expect_standing_in_passive();
+  EXPECT_EQ((*robot)->stop().confirmed_passive, true) << "a second stop does nothing";
+}
+
+TEST_F(RobotTest, IsStoppedByItsDestructor) {
+  {
+    auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+    ASSERT_TRUE(robot);
+    Driver driver{.robot = robot->get(), .frames = 1'000'000'000};
+    ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+    while (driver.calls < 200) std::this_thread::yield();
+  }
+  expect_standing_in_passive();
+}
+
+TEST_F(RobotTest, IsLeftStandingWhereItWasNeverStarted) {
+  {
+    auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+    ASSERT_TRUE(robot);
+    EXPECT_EQ(device.mode(), oi::Mode::safe);
+  }
+  expect_standing_in_passive();
+}
+
+TEST_F(RobotTest, IsStoppedFromOutside) {
+  auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+  ASSERT_TRUE(robot);
+  Driver driver{.robot = robot->get(), .frames = 1'000'000'000};
+  ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+  while (driver.calls < 50) std::this_thread::yield();
+  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+  EXPECT_TRUE((*robot)->ended());
+  expect_standing_in_passive();
+}
+
+TEST_F(RobotTest, FollowsSetpointsFromAnotherThread) {
+  auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+  ASSERT_TRUE(robot);
+  ASSERT_TRUE((*robot)->start({}));
+  ControlCycle& cycle = (*robot)->cycle();
+  const auto estimate = [&] {
+    const auto state = cycle.state();
+    return state.has_value() ? state->estimate.left_mm_s : 0.0;
+  };
+  while (estimate() < 100.0) ASSERT_TRUE(cycle.set_speeds({150.0, 150.0}));
+  // Nobody renews it now.
+  while (!cycle.state()->setpoint_lapsed) std::this_thread::yield();
+  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+  expect_standing_in_passive();
+}
+
+TEST_F(RobotTest, SaysThatThePortHungUp) {
+  auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+  ASSERT_TRUE(robot);
+  Driver driver{.robot = robot->get(), .also = [this] { link_->hang_up(); }};
+  ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+  wait_for_end(**robot);
+  const Robot::Farewell farewell = (*robot)->stop();
+  EXPECT_EQ(farewell.end, CycleEnd::hung_up);
+  EXPECT_FALSE(farewell.confirmed_passive);
+}
+
+TEST_F(RobotTest, SaysThatTheRobotLeftItsMode) {
+  auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+  ASSERT_TRUE(robot);
+  Driver driver{.robot = robot->get(),
+                .also = [this] { device.inputs().cliff_front_left.cliff = true; }};
+  ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+  wait_for_end(**robot);
+  const Robot::Farewell farewell = (*robot)->stop();
+  EXPECT_EQ(farewell.end, CycleEnd::mode_lost);
+  EXPECT_TRUE(farewell.confirmed_passive);
+  expect_standing_in_passive();
+}
+
+// Told to go on to Full by somebody else on the line: it moves, and still obeys.
+TEST_F(RobotTest, IsStoppedWhereItWasPutIntoAnotherDrivingMode) {
+  auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+  ASSERT_TRUE(robot);
+  Driver driver{.robot = robot->get(), .also = [this] { device.receive(132); }};
+  std::vector<oi::Mode> stopped_in;
+  device.on_drive = [&](const sim::DriveRecord& record) {
+    if (record.command == sim::WheelSpeeds{}) stopped_in.push_back(device.mode());
+  };
+  ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+  wait_for_end(**robot);
+  EXPECT_EQ((*robot)->stop().end, CycleEnd::mode_lost);
+  ASSERT_FALSE(stopped_in.empty());
+  EXPECT_EQ(stopped_in.front(), oi::Mode::full);
+  expect_standing_in_passive();
+}
+
+// No CPU of that number: not what real time needs, so it is told and driven all the same.
+TEST_F(RobotTest, GoesOnWithoutTheCpuAskedFor) {
+  auto robot = Robot::open(
+      make_link(),
+      {.realtime = {.cpu = 1'000'000, .lock_memory = false, .hold_dma_latency = false}});
+  ASSERT_TRUE(robot);
+  Driver driver{.robot = robot->get()};
+  const auto grant = (*robot)->start({.function = &Driver::control, .context = &driver});
+  ASSERT_TRUE(grant);
+  EXPECT_FALSE(grant->cpu.has_value());
+  EXPECT_FALSE(grant->refusals.empty());
+  wait_for_end(**robot);
+  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+}
+
+// Memory that was not asked to be locked is not locked: as good as a refusal.
+TEST_F(RobotTest, NeverMovesWithoutTheRightsItRequires) {
+  int moves = 0;
+  device.on_drive = [&](const sim::DriveRecord& record) {
+    if (record.command != sim::WheelSpeeds{}) ++moves;
+  };
+  auto robot = Robot::open(make_link(), {.realtime = kNoRights, .require_realtime = true});
+  ASSERT_TRUE(robot);
+  Driver driver{.robot = robot->get()};
+  const auto grant = (*robot)->start({.function = &Driver::control, .context = &driver});
+  ASSERT_FALSE(grant);
+  EXPECT_NE(grant.failure().message.find("--require-rt"), std::string::npos);
+  EXPECT_EQ(driver.calls, 0);
+  EXPECT_EQ(moves, 0);
+  expect_standing_in_passive();
+}
+
+TEST_F(RobotTest, IsNotOpenedWhereItDoesNotAnswer) {
+  sim::Device off{sim::Parameters{.power_on = sim::PowerOn::never}};
+  const auto robot = Robot::open(std::make_unique<sim::VirtualLink>(off), {});
+  ASSERT_FALSE(robot);
+  EXPECT_NE(robot.failure().message.find("silent"), std::string::npos);
+}
+
+TEST(CycleEndText, SaysWhatToDo) {
+  EXPECT_EQ(explain(CycleEnd::asked), "");
+  for (const CycleEnd end : {CycleEnd::link_lost, CycleEnd::mode_lost, CycleEnd::hung_up}) {
+    const std::string text = explain(end);
+    EXPECT_NE(text.find("start again"), std::string::npos) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cargobay::hal
