@@ -1,0 +1,374 @@
+// What any Create does, by the sections of its manual: asked over nothing but its serial line, so
+// that any other device can be asked the same.
+#include <algorithm>
+#include <array>
+#include <span>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "oi/checksum.hpp"
+#include "oi/packet_table.hpp"
+#include "tests/conformance/subject.hpp"
+
+namespace cargobay::conformance {
+namespace {
+
+// One for each section, in the order of the manual.
+using GettingStartedCommands = Conformance;
+using ModeCommands = Conformance;
+using DemoCommands = Conformance;
+using ActuatorCommands = Conformance;
+using SongCommands = Conformance;
+using InputCommands = Conformance;
+using ScriptCommands = Conformance;
+using WaitCommands = Conformance;
+
+// --- Getting Started (OI p. 7) ---
+
+TEST_F(GettingStartedCommands, StartMakesItPassive) {
+  send({132});
+  EXPECT_EQ(mode(), 3);
+  send({128});
+  EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(GettingStartedCommands, BaudChangesTheRateBothWays) {
+  send({129, 7});
+  wait(150ms);
+  ASSERT_FALSE(stream().set_baud(19200));
+  EXPECT_EQ(mode(), 1);
+  send({129, *oi::baud_code(boot_baud)});
+  wait(150ms);
+  ASSERT_FALSE(stream().set_baud(boot_baud));
+  EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(GettingStartedCommands, AnUnknownBaudCodeChangesNothing) {
+  send({129, 12});
+  wait(150ms);
+  EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(GettingStartedCommands, AHalfSentCommandWaitsForItsBytes) {
+  send({132, 145, 0});
+  wait(1s);
+  send({128});
+  EXPECT_TRUE(listen(50ms).empty());
+  send({0, 0});  // the right wheel at 128 mm/s, the left at 0
+  EXPECT_EQ(word_packet(41), 128);
+  EXPECT_EQ(mode(), 3) << "128 was data";
+}
+
+TEST_F(GettingStartedCommands, UnknownOpcodesAreIgnored) {
+  for (const std::uint8_t opcode : Bytes{0, 1, 127, 133, 146, 159, 173, 254, 255}) {
+    send({opcode});
+    EXPECT_EQ(mode(), 1) << int{opcode};
+  }
+}
+
+// --- Mode (OI p. 6, 7) ---
+
+TEST_F(ModeCommands, ReachEveryModeFromEveryOther) {
+  for (const auto& [from, to, number] :
+       {std::tuple{131, 132, 3}, std::tuple{132, 131, 2}, std::tuple{131, 128, 1},
+        std::tuple{132, 130, 2}, std::tuple{128, 132, 3}}) {
+    send({static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(to)});
+    EXPECT_EQ(mode(), number) << from << " then " << to;
+  }
+}
+
+TEST_F(ModeCommands, PassiveDoesNotDrive) {
+  send({132, 145, 0, 0, 0, 0, 128});
+  send({145, 0, 50, 0, 50});
+  EXPECT_EQ(word_packet(41), 0);
+  EXPECT_EQ(word_packet(42), 0);
+}
+
+TEST_F(ModeCommands, PassivePlaysNoSong) {
+  send({140, 0, 1, 60, 64, 141, 0});
+  EXPECT_EQ(packet(37), 0);
+}
+
+// --- Demos (OI p. 8) ---
+
+TEST_F(DemoCommands, MakeItPassive) {
+  for (const std::uint8_t opcode : Bytes{134, 135, 143}) {
+    send({132, opcode});
+    EXPECT_EQ(mode(), 1) << int{opcode};
+    send({136, 255});
+  }
+  send({132, 136, 255});
+  EXPECT_EQ(mode(), 1);
+}
+
+// --- Actuators (OI p. 9 to 11) ---
+
+TEST_F(ActuatorCommands, DriveIsReadBack) {
+  send({132, 137, 0xff, 0xce, 1, 244});  // -50 mm/s, radius 500 mm
+  EXPECT_EQ(word_packet(39), -50);
+  EXPECT_EQ(word_packet(40), 500);
+}
+
+TEST_F(ActuatorCommands, DriveDirectIsReadBackRightAndLeft) {
+  send({132, 145, 0, 40, 0xff, 0xd8});
+  EXPECT_EQ(word_packet(41), 40);
+  EXPECT_EQ(word_packet(42), -40);
+}
+
+TEST_F(ActuatorCommands, DrivingIsMeasured) {
+  send({132, 142, 2});
+  (void)receive(6);
+  send({145, 0, 100, 0, 100});
+  wait(1s);
+  send({145, 0, 0, 0, 0});
+  wait(500ms);
+  const std::int16_t distance = word_packet(19);
+  EXPECT_GT(distance, 60);
+  EXPECT_LT(distance, 120);
+  EXPECT_EQ(word_packet(19), 0) << "a reading clears";
+}
+
+TEST_F(ActuatorCommands, TurningIsMeasuredCounterClockwisePositive) {
+  send({132, 142, 2});
+  (void)receive(6);
+  send({137, 0, 100, 0, 1});
+  wait(1s);
+  send({137, 0, 0, 0, 0});
+  wait(500ms);
+  const std::int16_t angle = word_packet(20);
+  EXPECT_GT(angle, 25);
+  EXPECT_LT(angle, 60);
+}
+
+TEST_F(ActuatorCommands, TakeTheirBytesAndNoMore) {
+  for (const Bytes& command :
+       {Bytes{139, 8, 0, 128}, Bytes{138, 2}, Bytes{144, 32, 0, 128}, Bytes{147, 5}, Bytes{151, 77},
+        Bytes{138, 0}, Bytes{147, 0}, Bytes{139, 0, 0, 0}}) {
+    send({132});
+    send(command);
+    EXPECT_EQ(mode(), 3) << int{command[0]};
+  }
+}
+
+TEST_F(ActuatorCommands, EndWhenTheModeIsLeft) {
+  send({132, 145, 0, 100, 0, 100});
+  wait(500ms);
+  send({128});
+  wait(700ms);
+  send({142, 2});
+  (void)receive(6);
+  wait(300ms);
+  EXPECT_EQ(word_packet(19), 0) << "it stands";
+}
+
+// --- Songs (OI p. 11, 12) ---
+
+TEST_F(SongCommands, PlayForAsLongAsTheirNotesSay) {
+  send({132, 140, 3, 2, 60, 32, 30, 32});  // half a second, and as long a rest
+  send({141, 3});
+  EXPECT_EQ(packet(36), 3);
+  EXPECT_EQ(packet(37), 1);
+  wait(800ms);
+  EXPECT_EQ(packet(37), 1);
+  wait(400ms);
+  EXPECT_EQ(packet(37), 0);
+}
+
+TEST_F(SongCommands, PlayIsIgnoredWhileASongPlays) {
+  send({132, 140, 1, 1, 60, 48, 140, 2, 1, 62, 48, 141, 1, 141, 2});
+  EXPECT_EQ(packet(36), 1);
+  wait(900ms);
+  EXPECT_EQ(packet(37), 0);
+}
+
+TEST_F(SongCommands, AreOverwritten) {
+  send({132, 140, 4, 1, 60, 255, 140, 4, 1, 60, 8, 141, 4});
+  wait(300ms);
+  EXPECT_EQ(packet(37), 0);
+}
+
+TEST_F(SongCommands, HoldSixteenNotes) {
+  Bytes song{132, 140, 15, 16};
+  for (int i = 0; i < 16; ++i) song.insert(song.end(), {70, 4});
+  send(song);
+  send({141, 15});
+  wait(800ms);
+  EXPECT_EQ(packet(37), 1);
+  wait(400ms);
+  EXPECT_EQ(packet(37), 0);
+}
+
+// --- Input (OI p. 13, 14) ---
+
+TEST_F(InputCommands, EveryPacketHasItsSize) {
+  for (std::uint8_t id = 0; id < oi::kPacketCount; ++id) {
+    send({142, id});
+    EXPECT_EQ(listen(40ms).size(), oi::packet_size(id)) << int{id};
+  }
+}
+
+TEST_F(InputCommands, EveryPacketIsInItsRange) {
+  for (std::uint8_t id = oi::kFirstSinglePacket; id < oi::kPacketCount; ++id) {
+    const oi::PacketInfo& info = oi::kPackets[id];
+    const Bytes data = ask({142, id}, info.size);
+    ASSERT_EQ(data.size(), info.size) << int{id};
+    std::int32_t value = data[0];
+    if (info.size == 2) value = value * 256 + data[1];
+    if (info.is_signed && info.size == 2 && value > 32767) value -= 65536;
+    if (info.is_signed && info.size == 1 && value > 127) value -= 256;
+    EXPECT_GE(value, info.min) << info.name;
+    EXPECT_LE(value, info.max) << info.name;
+  }
+}
+
+TEST_F(InputCommands, GroupsAreTheirPacketsInOrder) {
+  send({132, 145, 0, 0, 0, 0});
+  wait(50ms);
+  const Bytes group = ask({142, 5}, 12);
+  const Bytes list = ask({149, 8, 35, 36, 37, 38, 39, 40, 41, 42}, 12);
+  EXPECT_EQ(group, list);
+}
+
+TEST_F(InputCommands, QueryListAnswersInTheOrderAsked) {
+  send({132});
+  EXPECT_EQ(ask({149, 3, 35, 37, 35}, 3), (Bytes{3, 0, 3}));
+  send({149, 0});
+  EXPECT_TRUE(listen(50ms).empty());
+}
+
+TEST_F(InputCommands, StreamSendsFramesThatAddUp) {
+  send({148, 2, 29, 13});
+  const Bytes frames = receive(80);
+  send({150, 0});
+  ASSERT_EQ(frames.size(), 80U);
+  for (std::size_t at = 0; at < frames.size(); at += 8) {
+    const std::span<const std::uint8_t> frame{frames.data() + at, 8};
+    EXPECT_EQ(frame[0], 19);
+    EXPECT_EQ(frame[1], 5);
+    EXPECT_EQ(frame[2], 29);
+    EXPECT_EQ(frame[5], 13);
+    EXPECT_TRUE(oi::checksum_matches(frame, oi::Checksum::automatic));
+  }
+}
+
+TEST_F(InputCommands, StreamSendsAFrameEachFifteenMilliseconds) {
+  send({148, 1, 35});
+  (void)receive(5);
+  const rt::TimePoint before = stream().now();
+  (void)receive(5 * 100, 5s);
+  const rt::Duration period = (stream().now() - before) / 100;
+  send({150, 0});
+  EXPECT_GT(period, 14ms);
+  EXPECT_LT(period, 16ms);
+}
+
+TEST_F(InputCommands, StreamIsPausedResumedAndReplaced) {
+  send({148, 1, 35});
+  (void)receive(5);
+  send({150, 0});
+  wait(100ms);
+  EXPECT_TRUE(listen(100ms).empty());
+  EXPECT_EQ(packet(38), 1);
+  send({150, 1});
+  EXPECT_EQ(receive(5).size(), 5U);
+  send({148, 2, 35, 37});
+  wait(100ms);
+  const Bytes frames = receive(14);
+  send({148, 0});
+  const std::array<std::uint8_t, 3> of_two{19, 4, 35};
+  EXPECT_NE(std::search(frames.begin(), frames.end(), of_two.begin(), of_two.end()), frames.end());
+  wait(100ms);
+  EXPECT_TRUE(listen(100ms).empty());
+}
+
+TEST_F(InputCommands, StreamOutlastsAChangeOfMode) {
+  send({148, 1, 35});
+  send({132});
+  wait(100ms);
+  const Bytes frames = receive(10);
+  send({150, 0});
+  const std::array<std::uint8_t, 3> full{2, 35, 3};
+  EXPECT_NE(std::search(frames.begin(), frames.end(), full.begin(), full.end()), frames.end());
+}
+
+// --- Scripts (OI p. 15) ---
+
+TEST_F(ScriptCommands, ShowReturnsWhatWasStored) {
+  const Bytes script{13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0};
+  Bytes command{152};
+  command.insert(command.end(), script.begin(), script.end());
+  send(command);
+  EXPECT_EQ(ask({154}, script.size()), script);
+  send({152, 0});
+  EXPECT_EQ(ask({154}, 1), (Bytes{0}));
+}
+
+TEST_F(ScriptCommands, HoldAHundredBytes) {
+  Bytes command{152, 100};
+  command.resize(102, 128);
+  send(command);
+  EXPECT_EQ(ask({154}, 101).size(), 101U);
+}
+
+TEST_F(ScriptCommands, ShowHaltsTheStream) {
+  send({152, 0, 148, 1, 35});
+  (void)receive(5);
+  send({154});
+  wait(100ms);
+  EXPECT_TRUE(listen(100ms).empty());
+  send({150, 1});
+  EXPECT_EQ(receive(5).size(), 5U);
+}
+
+TEST_F(ScriptCommands, ArePlayed) {
+  send({152, 3, 132, 142, 35});
+  EXPECT_EQ(mode(), 1) << "stored is not played";
+  EXPECT_EQ(ask({153}, 1), (Bytes{3}));
+  EXPECT_EQ(ask({153}, 1), (Bytes{3})) << "and again";
+}
+
+TEST_F(ScriptCommands, LoopWithPlayScriptAsTheirLastCommand) {
+  send({152, 5, 142, 35, 155, 1, 153, 153});
+  const Bytes ticks = receive(5, 3s);
+  send({152, 0});  // the next round plays an empty script
+  EXPECT_EQ(ticks, (Bytes{1, 1, 1, 1, 1}));
+  wait(500ms);
+  EXPECT_EQ(mode(), 1);
+}
+
+// --- Waits (OI p. 15, 16) ---
+
+TEST_F(WaitCommands, WaitTimeHoldsBackWhatComesBehindIt) {
+  const rt::TimePoint before = stream().now();
+  EXPECT_EQ(ask({155, 5, 142, 35}, 1), (Bytes{1}));
+  const rt::Duration waited = stream().now() - before;
+  EXPECT_GE(waited, 490ms);
+  EXPECT_LT(waited, 800ms);
+}
+
+TEST_F(WaitCommands, WaitDistanceEndsThere) {
+  send({132, 137, 0, 100, 128, 0, 156, 0, 50, 137, 0, 0, 128, 0, 142, 35});
+  EXPECT_EQ(receive(1, 5s), (Bytes{3}));
+  wait(500ms);
+  const std::int16_t distance = word_packet(19);
+  EXPECT_GE(distance, 45);
+  EXPECT_LT(distance, 90);
+}
+
+TEST_F(WaitCommands, WaitAngleEndsThere) {
+  send({132, 137, 0, 100, 0xff, 0xff, 157, 0xff, 0xe2, 137, 0, 0, 128, 0, 142, 35});  // -30 degrees
+  EXPECT_EQ(receive(1, 5s), (Bytes{3}));
+  wait(500ms);
+  const std::int16_t angle = word_packet(20);
+  EXPECT_LE(angle, -26);
+  EXPECT_GT(angle, -60);
+}
+
+TEST_F(WaitCommands, WaitEventSeesWhatIsSoAlready) {
+  EXPECT_EQ(ask({158, 22, 142, 35}, 1), (Bytes{1})) << "Passive";
+  EXPECT_EQ(ask({158, 251, 142, 35}, 1), (Bytes{1})) << "no bump";
+}
+
+}  // namespace
+}  // namespace cargobay::conformance
