@@ -6,38 +6,44 @@
 #include <span>
 
 #include "hal/byte_stream.hpp"
+#include "rt/unchecked.hpp"
 
 namespace cargobay::hal::test {
 
 class DamagedStream final : public ByteStream {
  public:
-  explicit DamagedStream(ByteStream& stream) : stream_{stream} {}
+  explicit DamagedStream(ByteStream& stream) : stream_{&stream} {}
 
   // Called with what each read returned; may change it, and returns how many bytes are left.
   std::function<std::size_t(std::span<std::uint8_t>)> damage{};
 
+  // In virtual time the robot runs on the thread that waits for it, and so do the test's own
+  // functions: they may allocate.
   Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
-    return stream_.wait(deadline);
+    return rt::unchecked([this, deadline] { return stream_->wait(deadline); });
   }
   Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    Transfer transfer = stream_.read(bytes);
-    if (damage && transfer.count > 0) transfer.count = damage(bytes.first(transfer.count));
+    Transfer transfer = stream_->read(bytes);
+    if (transfer.count > 0) {
+      transfer.count = rt::unchecked(
+          [&] { return damage ? damage(bytes.first(transfer.count)) : transfer.count; });
+    }
     return transfer;
   }
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    return stream_.write(bytes);
+    return stream_->write(bytes);
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_.now(); }
-  std::uint32_t baud() const override { return stream_.baud(); }
-  std::error_code set_baud(std::uint32_t baud) override { return stream_.set_baud(baud); }
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_->now(); }
+  std::uint32_t baud() const override { return stream_->baud(); }
+  std::error_code set_baud(std::uint32_t baud) override { return stream_->set_baud(baud); }
   std::error_code set_wake_threshold(std::size_t bytes) override {
-    return stream_.set_wake_threshold(bytes);
+    return stream_->set_wake_threshold(bytes);
   }
-  void discard_input() override { stream_.discard_input(); }
-  bool drain(rt::Duration timeout) override { return stream_.drain(timeout); }
+  void discard_input() override { stream_->discard_input(); }
+  bool drain(rt::Duration timeout) override { return stream_->drain(timeout); }
 
  private:
-  ByteStream& stream_;
+  ByteStream* stream_;
 };
 
 }  // namespace cargobay::hal::test

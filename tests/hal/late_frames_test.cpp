@@ -16,6 +16,7 @@
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
 #include "oi/stream_budget.hpp"
+#include "rt/unchecked.hpp"
 #include "tests/hal/held_stream.hpp"
 
 namespace cargobay::hal {
@@ -51,16 +52,18 @@ Driven drive(const HandOver& hand_over, std::uint64_t frames,
       rt::seconds(oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, stream.baud()));
   const auto cycle = std::make_unique<ControlCycle>(stream, parameters);
   struct Driver {
-    ControlCycle& cycle;
-    sim::Device& device;
+    ControlCycle* cycle;
+    const sim::Device* device;
     std::uint64_t last_tick;
     static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
-                                   double /*seconds*/) noexcept {
-      auto& self = *static_cast<Driver*>(context);
-      if (self.device.ticks() >= self.last_tick) self.cycle.request_stop();
+                                   double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+      const auto& self = *static_cast<Driver*>(context);
+      if (rt::unchecked([&self] { return self.device->ticks(); }) >= self.last_tick) {
+        self.cycle->request_stop();
+      };
       return {200.0, 200.0};
     }
-  } driver{*cycle, device, device.ticks() + frames};
+  } driver{cycle.get(), &device, device.ticks() + frames};
   cycle->set_control({.function = &Driver::control, .context = &driver});
   device.on_drive = [&run](const sim::DriveRecord& record) { run.commands.push_back(record); };
   const std::uint64_t before = device.counters().frames_sent;

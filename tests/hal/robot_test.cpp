@@ -14,6 +14,7 @@
 
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
+#include "rt/unchecked.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -24,7 +25,7 @@ class RobotTest : public testing::Test {
  protected:
   // The link is the robot's; whoever wants to break it does so through here.
   std::unique_ptr<ByteStream> make_link() {
-    auto link = std::make_unique<sim::VirtualLink>(device);
+    auto link = std::make_unique<sim::VirtualLink>(device_);
     link_ = link.get();
     return link;
   }
@@ -36,27 +37,28 @@ class RobotTest : public testing::Test {
     std::function<void()> also{};  // instead of ending
 
     static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
-                                   double /*seconds*/) noexcept {
-      auto& self = *static_cast<Driver*>(context);
-      if (++self.calls == self.frames) {
-        if (self.also) {
-          self.also();
-        } else {
-          self.robot->cycle().request_stop();
-        }
-      }
+                                   double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+      rt::unchecked([context] { static_cast<Driver*>(context)->count_call(); });
       return {200.0, 200.0};
+    }
+    void count_call() {
+      if (++calls != frames) return;
+      if (also) {
+        also();
+      } else {
+        robot->cycle().request_stop();
+      }
     }
   };
   void expect_standing_in_passive() const {
-    EXPECT_EQ(device.mode(), oi::Mode::passive);
-    EXPECT_EQ(device.commanded(), sim::WheelSpeeds{});
+    EXPECT_EQ(device_.mode(), oi::Mode::passive);
+    EXPECT_EQ(device_.commanded(), sim::WheelSpeeds{});
   }
   static void wait_for_end(const Robot& robot) {
     while (!robot.ended()) std::this_thread::yield();
   }
 
-  sim::Device device{sim::Parameters{}};
+  sim::Device device_{sim::Parameters{}};
   sim::VirtualLink* link_ = nullptr;  // the robot's
 };
 
@@ -95,7 +97,7 @@ TEST_F(RobotTest, IsLeftStandingWhereItWasNeverStarted) {
   {
     auto robot = Robot::open(make_link(), {.realtime = kNoRights});
     ASSERT_TRUE(robot);
-    EXPECT_EQ(device.mode(), oi::Mode::safe);
+    EXPECT_EQ(device_.mode(), oi::Mode::safe);
   }
   expect_standing_in_passive();
 }
@@ -142,7 +144,7 @@ TEST_F(RobotTest, SaysThatTheRobotLeftItsMode) {
   auto robot = Robot::open(make_link(), {.realtime = kNoRights});
   ASSERT_TRUE(robot);
   Driver driver{.robot = robot->get(),
-                .also = [this] { device.inputs().cliff_front_left.cliff = true; }};
+                .also = [this] { device_.inputs().cliff_front_left.cliff = true; }};
   ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
   wait_for_end(**robot);
   const Robot::Farewell farewell = (*robot)->stop();
@@ -155,10 +157,11 @@ TEST_F(RobotTest, SaysThatTheRobotLeftItsMode) {
 TEST_F(RobotTest, IsStoppedWhereItWasPutIntoAnotherDrivingMode) {
   auto robot = Robot::open(make_link(), {.realtime = kNoRights});
   ASSERT_TRUE(robot);
-  Driver driver{.robot = robot->get(), .also = [this] { device.receive(132); }};
+  Driver driver{.robot = robot->get(), .also = [this] { device_.receive(132); }};
   std::vector<oi::Mode> stopped_in;
-  device.on_drive = [&](const sim::DriveRecord& record) {
-    if (record.command == sim::WheelSpeeds{}) stopped_in.push_back(device.mode());
+  device_.on_drive = [&](const sim::DriveRecord& record) {
+    if (record.command != sim::WheelSpeeds{}) return;
+    rt::unchecked([&] { stopped_in.push_back(device_.mode()); });
   };
   ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
   wait_for_end(**robot);
@@ -186,7 +189,7 @@ TEST_F(RobotTest, GoesOnWithoutTheCpuAskedFor) {
 // Memory that was not asked to be locked is not locked: as good as a refusal.
 TEST_F(RobotTest, NeverMovesWithoutTheRightsItRequires) {
   int moves = 0;
-  device.on_drive = [&](const sim::DriveRecord& record) {
+  device_.on_drive = [&](const sim::DriveRecord& record) {
     if (record.command != sim::WheelSpeeds{}) ++moves;
   };
   auto robot = Robot::open(make_link(), {.realtime = kNoRights, .require_realtime = true});

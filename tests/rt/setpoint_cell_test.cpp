@@ -24,7 +24,8 @@ TEST(SetpointCell, IsAtRestUntilSomethingIsPut) {
 
 TEST(SetpointCell, KeepsSpeedsToItsResolution) {
   SetpointCell cell;
-  for (double left = -511.0; left <= 511.0; left += 3.7) {
+  for (int step = 0; step <= 276; ++step) {
+    const double left = -511.0 + 3.7 * step;
     const double right = -0.5 * left + 0.123;
     ASSERT_TRUE(cell.put({left, right}));
     EXPECT_NEAR(cell.get().speeds.left_mm_s, left, SetpointCell::kResolution / 2.0);
