@@ -73,8 +73,6 @@ check_tidy() {
   fi
   export clang_tidy
   export -f tidy_one
-  # The product first; of the tests only names and layout are held to it so far (format, compiler).
-  (($#)) || files=$(grep -vE "^$PWD/tests/|/build/tidy/tests/" <<< "$files")
   xargs -P "$jobs" -n 1 bash -c 'tidy_one "$1"' _ <<< "$files"
 }
 

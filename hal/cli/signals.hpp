@@ -14,7 +14,7 @@ class StopSignals {
  public:
   // Blocks them, and `more`, for this thread and every thread started after. SIGPIPE is ignored
   // from here on: that nobody reads our output any more ends nothing halfway.
-  explicit StopSignals(std::initializer_list<int> more = {});
+  StopSignals(std::initializer_list<int> more = {});
   // The signal that came; nothing where none came for that long.
   std::optional<int> wait(rt::Duration timeout);
 

@@ -203,7 +203,7 @@ bool ControlSocket::answer(Client& client, std::string_view line) {
   std::string_view rest{text};
   while (!rest.empty()) {
     const ssize_t count = send(client.descriptor, rest.data(), rest.size(), MSG_NOSIGNAL);
-    if (count > 0) {
+    if (count >= 0) {
       rest.remove_prefix(static_cast<std::size_t>(count));
       continue;
     }

@@ -63,9 +63,10 @@ bool give_up_rights() {
 [[noreturn]] void become(int binary, char** arguments, const Ends& out, const Ends& err,
                          const Command::Setup& setup) {
   using Setup = Command::Setup;
+  if (out.theirs < 0 || err.theirs < 0) _exit(kNotStarted);
   sigset_t none{};
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
   setsid();
   if (setup.output == Setup::Output::terminal) {
     ioctl(out.theirs, TIOCSCTTY, 0);
@@ -93,12 +94,13 @@ void collect(int descriptor, std::string& text) {
 Command::Command(std::vector<std::string> arguments, const Setup& setup) {
   arguments.insert(arguments.begin(), "cargobay");
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   const int binary = open(CARGOBAY_BINARY_DIR "/cargobay", O_PATH | O_CLOEXEC);
   const Ends out = setup.output == Setup::Output::terminal ? make_terminal() : make_pipe();
   const Ends err = make_pipe();
-  process_ = fork();
+  process_ = fork();  // NOLINT(cppcoreguidelines-prefer-member-initializer): the ends come first
   if (process_ == 0) become(binary, pointers.data(), out, err, setup);
   ended_ = process_ < 0;
   for (const int descriptor : {binary, out.theirs, err.theirs}) close(descriptor);

@@ -168,6 +168,7 @@ TEST(ControlSocket, ReplacesOneThatNobodyListensTo) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, stale.data(), stale.size());
+  ASSERT_GE(left_behind, 0);
   ASSERT_EQ(bind(left_behind, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   close(left_behind);
   EXPECT_TRUE(ControlSocket::open(stale, *bench.server));

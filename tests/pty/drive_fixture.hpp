@@ -14,15 +14,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "command.hpp"
 #include "hal/sim/server.hpp"
-#include "serial_client.hpp"
+#include "tests/pty/command.hpp"
+#include "tests/pty/serial_client.hpp"
 
 namespace cargobay::test {
 
 using hal::sim::test::eventually;
 
 // A command's whole complaint: one line behind its name, which says this.
+// NOLINTNEXTLINE(readability-identifier-naming): named as matchers are
 MATCHER_P(OneErrorLine, says, "is one line `cargobay: error: ...` saying " + std::string{says}) {
   const std::string& text = arg;
   return text.starts_with("cargobay: error: ") && text.find('\n') == text.size() - 1 &&

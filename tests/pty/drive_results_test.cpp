@@ -17,7 +17,7 @@ using testing::Not;
 using testing::StartsWith;
 
 // A number for each of these names, and nothing else.
-void expect_numbers(const json& results, const char* key, std::vector<std::string> names) {
+void expect_numbers(const json& results, const char* key, const std::vector<std::string>& names) {
   ASSERT_TRUE(results.contains(key)) << key;
   const json& object = results.at(key);
   ASSERT_TRUE(object.is_object()) << key;
@@ -44,7 +44,7 @@ void expect_common_keys(const json& results) {
   expect_numbers(results, "frame_to_command_ns", {"p50", "p99", "p999", "max"});
 }
 
-void expect_ascending(const json& object, std::vector<std::string> names) {
+void expect_ascending(const json& object, const std::vector<std::string>& names) {
   for (std::size_t i = 1; i < names.size(); ++i)
     EXPECT_LE(object.at(names[i - 1]), object.at(names[i])) << object;
 }

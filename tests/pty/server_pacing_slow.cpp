@@ -44,15 +44,16 @@ struct Served {
     const ssize_t count = read(client->descriptor(), buffer.data(), buffer.size());
     if (count <= 0) return;
     const double now_s = seconds_of(CLOCK_MONOTONIC);
-    const std::size_t frames_before = bytes / kFrameBytes;
+    const std::size_t frames_before = frames();
     bytes += static_cast<std::size_t>(count);
     early = early || static_cast<double>(bytes) > (now_s - asked_at_s) * kBytesPerSecond;
-    if (bytes / kFrameBytes == frames_before) return;
+    if (frames() == frames_before) return;
     if (frames_before == 0) first_at_s = now_s;
     last_at_s = now_s;
   }
+  std::size_t frames() const { return bytes / kFrameBytes; }
   double period_s() const {
-    return (last_at_s - first_at_s) / (static_cast<double>(bytes / kFrameBytes) - 1.0);
+    return (last_at_s - first_at_s) / (static_cast<double>(frames()) - 1.0);
   }
 };
 
@@ -68,6 +69,7 @@ void serve_and_measure(std::size_t count, double duration_s) {
     ASSERT_TRUE(robot.client->send({128, 148, 1, 6}));
   }
   std::vector<pollfd> sources;
+  sources.reserve(count);
   for (const Served& robot : robots) {
     sources.push_back({.fd = robot.client->descriptor(), .events = POLLIN, .revents = 0});
   }

@@ -55,6 +55,7 @@ class ToolProcess {
   pid_t start(std::vector<std::string> words) const {
     words.insert(words.begin(), CARGOBAY_BINARY_DIR "/cargobay");
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     const pid_t process = fork();

@@ -58,7 +58,9 @@ auto* const kSyscall = next<long(long, ...)>("syscall");
 
 }  // namespace
 
-// glibc's own names for its allocator, for whoever replaces it.
+// What others named: glibc its allocator for whoever replaces it, POSIX the rest.
+// NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -202,3 +204,5 @@ Uncounted::Uncounted() : was_counting_{counting} { counting = false; }
 Uncounted::~Uncounted() { counting = was_counting_; }
 
 }  // namespace cargobay::test
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
+// NOLINTEND(bugprone-reserved-identifier, readability-identifier-naming)
