@@ -1,0 +1,15 @@
+// The device files of GPIO chips.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cargobay::gpio {
+
+// Every character device /dev/gpiochip*, in the order of their numbers; links are left out, as
+// they stand for a chip that is listed anyway.
+std::vector<std::string> chip_files();
+// The group that owns the file; empty where it has no name.
+std::string owning_group(const std::string& path);
+
+}  // namespace cargobay::gpio
