@@ -15,13 +15,13 @@
 #include "hal/cli/drive_log.hpp"
 #include "hal/cli/drive_report.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/profile.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/sim_options.hpp"
 #include "hal/cli/velocity_plot.hpp"
 #include "hal/cli/write_file.hpp"
-#include "hal/pty_transport.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
 #include "oi/baud.hpp"
@@ -217,7 +217,7 @@ int drive(const Options& options) {
     server = std::move(*started);
     port = server->path();
   }
-  auto stream = hal::open_pty(port, options.baud);
+  auto stream = open_for_use(port, options.baud);
   if (!stream) return fail(stream.failure());
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", port);

@@ -13,12 +13,12 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/conversation.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/send_plan.hpp"
 #include "hal/cli/sensor_format.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/words.hpp"
-#include "hal/pty_transport.hpp"
 #include "oi/baud.hpp"
 #include "oi/command_text.hpp"
 #include "oi/encode.hpp"
@@ -287,7 +287,7 @@ int send(const CLI::App& command, const Options& options) {
                              fmt::join(oi::kBaudRates, ", "))});
   }
   if (const auto refused = objection(commands, std::nullopt, options.baud)) return fail(*refused);
-  auto port = hal::open_pty(options.port, options.baud);
+  auto port = open_for_use(options.port, options.baud);
   if (!port) return fail(port.failure());
   Sending sending{**port, signals, options};
   if (const auto failure = sending.run(commands)) return fail(*failure);

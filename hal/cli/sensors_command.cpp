@@ -9,11 +9,11 @@
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/open_for_use.hpp"
 #include "hal/cli/packet_list.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/sensor_format.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/pty_transport.hpp"
 #include "hal/sensor_stream.hpp"
 #include "oi/baud.hpp"
 
@@ -74,7 +74,7 @@ int sensors(const Options& options) {
     return fail({fmt::format("the robot has no {} baud; choose from {}", options.baud,
                              fmt::join(oi::kBaudRates, ", "))});
   }
-  auto port = hal::open_pty(options.port, options.baud);
+  auto port = open_for_use(options.port, options.baud);
   if (!port) return fail(port.failure());
   // A live table needs a terminal; elsewhere one reading is what makes sense.
   if (options.once || (!options.as_json && !stdout_is_terminal())) {

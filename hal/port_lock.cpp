@@ -1,0 +1,76 @@
+#include "hal/port_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "hal/tty_speed.hpp"
+
+namespace cargobay::hal {
+
+Failure cannot_open(const std::string& path, int error) {
+  const std::error_code code{error, std::generic_category()};
+  const std::string what = "cannot open " + path + ": ";
+  switch (error) {
+    case ENOTTY:
+    case EISDIR:
+      return {what +
+                  "not a terminal; name a serial port such as /dev/ttyUSB0, or what `cargobay sim` "
+                  "prints",
+              code};
+    case ENOENT:
+    case ENOTDIR:
+    case ENXIO:
+    case ENODEV:
+      return {what + "no such port; plug the cable in, or list what there is with: cargobay ports",
+              code};
+    case EACCES:
+    case EPERM:
+      return {what +
+                  "permission denied; join the group that owns it (sudo adduser $USER dialout) and "
+                  "log in anew",
+              code};
+    case EBUSY: return {what + "in use by another process; find it with: fuser -v " + path, code};
+    default: return {what + code.message(), code};
+  }
+}
+
+Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return cannot_open(path, errno);
+  std::unique_ptr<PortLock> lock{new PortLock{descriptor}};
+  if (isatty(descriptor) == 0) return cannot_open(path, ENOTTY);
+  if (const int error = lock->lock(); error != 0) return cannot_open(path, error);
+  return lock;
+}
+
+int PortLock::lock() {
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  if (tcgetattr(descriptor_, &found_) != 0) return errno;
+  found_speed_ = tty_speed(descriptor_);
+  ours_ = true;
+  forbid_opening();
+  return 0;
+}
+
+void PortLock::allow_opening() const { ioctl(descriptor_, TIOCNXCL); }
+
+void PortLock::forbid_opening() const { ioctl(descriptor_, TIOCEXCL); }
+
+// Somebody's own terminal, named by mistake, is one that can be typed on again.
+PortLock::~PortLock() {
+  if (ours_) {
+    tcsetattr(descriptor_, TCSANOW, &found_);
+    // A rate without a constant of its own is not in termios.
+    if (found_speed_.has_value() && tty_speed(descriptor_) != found_speed_) {
+      (void)set_tty_speed(descriptor_, *found_speed_);  // nobody is left to be told
+    }
+    allow_opening();
+  }
+  close(descriptor_);
+}
+
+}  // namespace cargobay::hal

@@ -1,0 +1,46 @@
+// A terminal device taken for this process alone.
+#pragma once
+
+#include <termios.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hal/result.hpp"
+
+namespace cargobay::hal {
+
+class PortLock {
+ public:
+  // Opens `path`, without blocking, and locks it before anything of it is touched: by flock(),
+  // which stops root too, and by TIOCEXCL, which stops those who do not ask. A failure leaves the
+  // port as it was.
+  static Result<std::unique_ptr<PortLock>> take(const std::string& path);
+  // The port is set as it was found, and free again.
+  ~PortLock();
+  PortLock(const PortLock&) = delete;
+  PortLock& operator=(const PortLock&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  const termios& found() const { return found_; }
+  // After this another description of the port may be opened by this process, or any of root's,
+  // which the lock then refuses; and no longer after forbid_opening().
+  void allow_opening() const;
+  void forbid_opening() const;
+
+ private:
+  explicit PortLock(int descriptor) : descriptor_{descriptor} {}
+  int lock();  // returns an errno
+
+  int descriptor_;
+  bool ours_ = false;
+  termios found_{};  // how the port was found, and is left
+  std::optional<std::uint32_t> found_speed_{};
+};
+
+// One line for an errno of opening the port.
+Failure cannot_open(const std::string& path, int error);
+
+}  // namespace cargobay::hal

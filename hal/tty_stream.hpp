@@ -1,0 +1,41 @@
+// A terminal's descriptor as a byte stream: what pseudo-terminals and serial ports have in common,
+// and all that the control thread calls. How the port was opened and set is another file's work.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "hal/byte_stream.hpp"
+#include "hal/port_lock.hpp"
+
+namespace cargobay::hal {
+
+class TtyStream : public ByteStream {
+ public:
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
+  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
+  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
+
+  std::uint32_t baud() const override { return baud_; }
+  std::error_code set_baud(std::uint32_t baud) override;
+  std::error_code set_wake_threshold(std::size_t bytes) override;
+  void discard_input() override;
+  bool drain(rt::Duration timeout) override;
+
+ protected:
+  // The descriptor is the lock's, or another one of the same port that the deriving class closes.
+  TtyStream(int descriptor, std::uint32_t baud, std::unique_ptr<PortLock> lock)
+      : lock_{std::move(lock)}, descriptor_{descriptor}, baud_{baud} {}
+  int descriptor() const { return descriptor_; }
+  // Of the driver. Returns what it says.
+  virtual std::error_code apply_baud(std::uint32_t baud) = 0;
+
+ private:
+  std::unique_ptr<PortLock> lock_;
+  int descriptor_;
+  std::uint32_t baud_;
+};
+
+}  // namespace cargobay::hal
