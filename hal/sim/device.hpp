@@ -127,6 +127,8 @@ class Device {
   // What the sensors would see from the next tick on.
   Inputs& inputs() { return inputs_; }
   const Inputs& inputs() const { return inputs_; }
+  // What they saw at the last tick: the inputs, and what the surroundings added.
+  const Inputs& seen() const { return seen_; }
   // Holds a button down for that long, from the next tick on.
   void press(oi::Button button, rt::Duration period);
   void place(const Pose& pose);
@@ -135,7 +137,8 @@ class Device {
   DeviceFaults& faults() { return faults_; }
   // Says something that is no answer to anything.
   void print(std::string_view text);
-  // Waits for the data of a command that nobody sent, unless it is off.
+  // Waits for the data of a command that nobody sent; in Passive mode where it was Off. Without
+  // power it does nothing.
   void take_half_command();
   // Changes the rate behind everybody's back.
   void set_baud(std::uint32_t baud);

@@ -56,6 +56,7 @@ Server::Server(const Parameters& parameters, const ServerOptions& options,
                             .speeds = device.truth().speeds,
                             .commanded = device.commanded(),
                             .mode = device.mode()});
+    if (options_.on_tick) options_.on_tick(device);
   };
 }
 

@@ -32,6 +32,9 @@ struct ServerOptions {
   // FIFO of a Pi's UART does. 1 hands over every byte by itself, at several times the CPU time.
   std::size_t batch_bytes = 8;
   std::size_t truth_samples = 4096;  // kept for take_truth(); the oldest give way
+  // Called at the end of each tick, by whatever thread brings the robot up to now: it looks at the
+  // device and calls nothing of the server.
+  std::function<void(const Device&)> on_tick{};
 };
 
 // The robot at one tick, as no sensor tells.

@@ -1,5 +1,6 @@
 #include "hal/sim/world.hpp"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -196,10 +197,11 @@ TEST(World, DocksTheRobotThatFacesTheBase) {
 }
 
 TEST(World, LetsTheDockDemoDock) {
-  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/dock.world");
-  ASSERT_TRUE(world);
+  const World world = world_of(
+      "wall -1500 0 1500 0\nwall 1500 0 1500 3000\nwall 1500 3000 -1500 3000\n"
+      "wall -1500 3000 -1500 0\nhome-base 0 20 90\nstart 300 1400 270\n");
   Robot robot;
-  inhabit(robot.device, *world);
+  inhabit(robot.device, world);
   robot.send({128, 143});
   for (int i = 0; i < 600 && !robot.device.battery().charging(); ++i) robot.wait(100ms);
   EXPECT_TRUE(robot.device.battery().charging());
@@ -212,17 +214,53 @@ TEST(World, KeepsACoveringRobotInTheRoomAndOffTheStairs) {
   Robot robot;
   inhabit(robot.device, *world);
   robot.send({128, 135});
-  std::vector<Pose> path;
   for (int i = 0; i < 3000; ++i) {
     robot.wait(100ms);
-    path.push_back(robot.device.truth().pose);
-    ASSERT_GT(path.back().x_mm, 0.0);
-    ASSERT_LT(path.back().x_mm, 4000.0);
-    ASSERT_GT(path.back().y_mm, 0.0);
-    ASSERT_LT(path.back().y_mm, 3000.0);
+    const Pose pose = robot.device.truth().pose;
+    ASSERT_GT(pose.x_mm, 0.0);
+    ASSERT_LT(pose.x_mm, 4000.0);
+    ASSERT_GT(pose.y_mm, 0.0);
+    ASSERT_LT(pose.y_mm, 3000.0);
   }
   EXPECT_TRUE(robot.device.demos().running());
-  EXPECT_NE(draw(*world, path).find("<polyline class='path'"), std::string::npos);
+}
+
+TEST(World, LetsARobotDockInTheShippedRoom) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/room.world");
+  ASSERT_TRUE(world);
+  Robot robot;
+  inhabit(robot.device, *world);
+  robot.send({128, 143});
+  for (int i = 0; i < 6000 && !robot.device.battery().charging(); ++i) robot.wait(100ms);
+  EXPECT_TRUE(robot.device.battery().charging());
+}
+
+TEST(World, KeepsASafeRobotOnTheShippedTable) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/table.world");
+  ASSERT_TRUE(world);
+  for (int heading_deg = 0; heading_deg < 360; heading_deg += 15) {
+    Robot robot;
+    inhabit(robot.device, *world);
+    robot.device.place(at(800, 500, heading_deg));
+    robot.send({128, 131, 137, 1, 44, 0x80, 0});
+    robot.wait(8s);
+    const Pose pose = robot.device.truth().pose;
+    EXPECT_EQ(robot.device.mode(), oi::Mode::passive) << heading_deg;
+    EXPECT_TRUE(robot.device.last_hazard()) << heading_deg;
+    EXPECT_LT(std::abs(pose.x_mm - 800.0), 800.0) << heading_deg;
+    EXPECT_LT(std::abs(pose.y_mm - 500.0), 500.0) << heading_deg;
+  }
+}
+
+TEST(World, CannotKeepARobotInFullOnTheTable) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/table.world");
+  ASSERT_TRUE(world);
+  Robot robot;
+  inhabit(robot.device, *world);
+  robot.send({128, 132, 137, 1, 44, 0x80, 0});
+  robot.wait(8s);
+  EXPECT_EQ(robot.device.mode(), oi::Mode::full);
+  EXPECT_GT(robot.device.truth().pose.x_mm, 1600.0);
 }
 
 TEST(World, IsDrawnWithoutAPathToo) {
@@ -230,6 +268,20 @@ TEST(World, IsDrawnWithoutAPathToo) {
   EXPECT_EQ(drawing.substr(0, 5), "<svg ");
   EXPECT_EQ(drawing.substr(drawing.size() - 7), "</svg>\n");
   EXPECT_NE(drawing.find("class='wall'"), std::string::npos);
+  EXPECT_EQ(drawing.find("class='path'"), std::string::npos);
+}
+
+TEST(World, IsDrawnWithThePathItsBumpsAndItsLeaps) {
+  const std::array<Waypoint, 4> path{{{.pose = at(0, 0, 0)},
+                                      {.pose = at(100, 0, 0), .bumped = true},
+                                      {.pose = at(500, 500, 0), .placed = true},
+                                      {.pose = at(500, 600, 90)}}};
+  const std::string drawing = draw(World{}, path);
+  EXPECT_NE(drawing.find("<path class='path' d='M0 0 100 0M500 -500 500 -600'/>"),
+            std::string::npos)
+      << drawing;
+  EXPECT_NE(drawing.find("<circle class='bump' cx='100' cy='0'"), std::string::npos);
+  EXPECT_NE(drawing.find("<circle class='robot' cx='500' cy='-600'"), std::string::npos);
 }
 
 }  // namespace
