@@ -1,7 +1,9 @@
-// `cargobay sim`: a virtual Create on a pseudo-terminal, for any Open Interface client.
+// `cargobay sim`: virtual Creates on pseudo-terminals, for any Open Interface client.
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -10,49 +12,218 @@
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
+#include "hal/cli/sim_faults.hpp"
 #include "hal/cli/sim_options.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/sim/control.hpp"
+#include "hal/sim/control_socket.hpp"
+#include "hal/sim/path_recorder.hpp"
 #include "hal/sim/server.hpp"
+#include "hal/sim/world.hpp"
+#include "hal/sim/world_drawing.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::cli {
 namespace {
 
+constexpr std::size_t kMostRobots = 100;
+
 struct Options {
   SimOptions sim{};
   std::string link;
+  std::string control;
+  std::string world;
+  std::string trace;
+  std::vector<std::string> faults;
+  std::size_t count = 1;
   std::uint32_t boot_baud = oi::kDefaultBaud;
   std::size_t batch_bytes = hal::sim::ServerOptions{}.batch_bytes;
   int priority = 0;
 };
 
-int serve(const Options& options) {
+// One robot and what was asked for around it. The server goes first: it uses the path.
+struct Served {
+  std::string trace;
+  std::unique_ptr<hal::sim::PathRecorder> path{};
+  std::unique_ptr<hal::sim::Server> server{};
+  std::unique_ptr<hal::sim::ControlSocket> control{};
+  std::string announced;  // what a client opens
+};
+
+int fail(const std::string& message) {
+  print_error(message);
+  return kFailure;
+}
+
+// The path of the robot of that index, where there are several: PATH.0, and FILE.0.svg.
+std::string numbered(const std::string& path, std::size_t index, std::size_t count) {
+  if (path.empty() || count == 1) return path;
+  constexpr std::string_view kDrawing = ".svg";
+  const bool drawing = path.ends_with(kDrawing);
+  const std::string stem = path.substr(0, path.size() - (drawing ? kDrawing.size() : 0));
+  return fmt::format("{}.{}{}", stem, index, drawing ? kDrawing : "");
+}
+
+std::vector<PlannedFault> planned_faults(const Options& options) {
+  std::vector<PlannedFault> faults;
+  for (const std::string& text : options.faults) faults.push_back(*parse_fault(text));  // checked
+  std::stable_sort(faults.begin(), faults.end(),
+                   [](const PlannedFault& a, const PlannedFault& b) { return a.after < b.after; });
+  return faults;
+}
+
+// Opens the robot's port and control socket; nothing runs yet.
+std::optional<hal::Failure> open(const Options& options, std::size_t index,
+                                 const hal::sim::World& world, Served& robot) {
+  robot.trace = numbered(options.trace, index, options.count);
+  hal::sim::ServerOptions server_options{.link = numbered(options.link, index, options.count),
+                                         .priority = options.priority,
+                                         .batch_bytes = options.batch_bytes};
+  if (!robot.trace.empty()) {
+    if (auto failure = check_writable(robot.trace)) return failure;
+    robot.path = std::make_unique<hal::sim::PathRecorder>();
+    server_options.on_tick = [path = robot.path.get()](const hal::sim::Device& device) {
+      path->add(device.truth().pose, device.seen().bump_left || device.seen().bump_right);
+    };
+  }
+  hal::sim::Parameters parameters = cli::parameters(options.sim);
+  parameters.boot_baud = options.boot_baud;
+  parameters.seed += index;
+  auto server = hal::sim::Server::open(parameters, server_options);
+  if (!server) return server.failure();
+  robot.server = std::move(*server);
+  robot.announced = robot.server->path();
+  if (!options.world.empty()) {
+    robot.server->with_device(
+        [&world](hal::sim::Device& device) { hal::sim::inhabit(device, world); });
+  }
+  if (options.control.empty()) return std::nullopt;
+  auto control =
+      hal::sim::ControlSocket::open(numbered(options.control, index, options.count), *robot.server);
+  if (!control) return control.failure();
+  robot.control = std::move(*control);
+  return std::nullopt;
+}
+
+void inflict(const PlannedFault& fault, std::vector<Served>& robots) {
+  for (Served& robot : robots) {
+    const std::string answer = hal::sim::control("fault " + fault.command, *robot.server);
+    if (answer != "ok") print_remark(fmt::format("fault {}: {}", fault.command, answer));
+  }
+}
+
+std::error_code start(std::vector<Served>& robots) {
+  for (Served& robot : robots) {
+    if (const std::error_code error = robot.server->start()) return error;
+    if (!robot.control) continue;
+    if (const std::error_code error = robot.control->start()) return error;
+  }
+  return {};
+}
+
+// Until a signal comes.
+void serve(StopSignals& signals, std::vector<PlannedFault> faults, std::vector<Served>& robots) {
+  const rt::TimePoint begin = rt::Clock::now();
+  std::reverse(faults.begin(), faults.end());  // the next is the last
+  for (;;) {
+    while (!faults.empty() && begin + faults.back().after <= rt::Clock::now()) {
+      inflict(faults.back(), robots);
+      faults.pop_back();
+    }
+    const rt::Duration wait = faults.empty() ? rt::Duration{std::chrono::hours{1}}
+                                             : begin + faults.back().after - rt::Clock::now();
+    if (signals.wait(std::max(wait, rt::Duration{0}))) return;
+  }
+}
+
+int write_traces(const hal::sim::World& world, const std::vector<Served>& robots) {
+  int result = kSuccess;
+  for (const Served& robot : robots) {
+    if (!robot.path) continue;
+    const auto path = robot.path->path();
+    if (const auto failure = write_file(robot.trace, hal::sim::draw(world, path))) {
+      result = fail(failure->message);
+    }
+  }
+  return result;
+}
+
+int run(const Options& options) {
   StopSignals signals;
-  hal::sim::Parameters robot = parameters(options.sim);
-  robot.boot_baud = options.boot_baud;
   if (!oi::baud_code(options.boot_baud).has_value()) {
-    print_error(fmt::format("the robot has no {} baud; choose 57600 or 19200", options.boot_baud));
-    return kFailure;
+    return fail(fmt::format("the robot has no {} baud; choose 57600 or 19200", options.boot_baud));
   }
-  auto server = hal::sim::Server::open(
-      robot,
-      {.link = options.link, .priority = options.priority, .batch_bytes = options.batch_bytes});
-  if (!server) {
-    print_error(server.failure().message);
-    return kFailure;
+  hal::sim::World world;
+  if (!options.world.empty()) {
+    auto loaded = hal::sim::World::load(options.world);
+    if (!loaded) return fail(loaded.failure().message);
+    world = std::move(*loaded);
   }
-  if (const std::error_code error = (*server)->start(); error) {
-    print_error("cannot start the virtual Create: " + error.message());
-    return kFailure;
+  std::vector<PlannedFault> faults = planned_faults(options);
+  std::vector<Served> robots(options.count);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (const auto failure = open(options, i, world, robots[i])) return fail(failure->message);
   }
-  if ((*server)->priority_error() != 0) {
+  const auto later = std::find_if(faults.begin(), faults.end(), [](const PlannedFault& fault) {
+    return fault.after > rt::Duration{0};
+  });
+  for (auto fault = faults.begin(); fault != later; ++fault) inflict(*fault, robots);
+  faults.erase(faults.begin(), later);
+  if (const std::error_code error = start(robots)) {
+    return fail("cannot start the virtual Create: " + error.message());
+  }
+  if (std::any_of(robots.begin(), robots.end(),
+                  [](const Served& robot) { return robot.server->priority_error() != 0; })) {
     print_remark("SCHED_FIFO refused: run as root or grant CAP_SYS_NICE; serving without");
   }
-  fmt::print("listening on {}\n", options.link.empty() ? (*server)->path() : options.link);
+  for (const Served& robot : robots) fmt::print("listening on {}\n", robot.announced);
   std::fflush(stdout);
-  while (!signals.wait(std::chrono::hours{1}).has_value()) {
+  serve(signals, std::move(faults), robots);
+  for (Served& robot : robots) {
+    robot.control.reset();
+    robot.server->stop();
   }
-  (*server)->stop();
-  return kSuccess;
+  return write_traces(world, robots);
+}
+
+std::string footer() {
+  std::string text =
+      "Faults, P for each byte from 0 to 1, DIRECTION to-host (if none is said), to-robot or "
+      "both:\n" +
+      list_faults() + "\nCommands of the control socket, a line each, answered by a line:\n";
+  for (const hal::sim::ControlInfo& command : hal::sim::kControls) {
+    const std::string usage = fmt::format("{} {}", command.name, command.arguments);
+    text += fmt::format("  {:<52}  {}\n", usage, command.meaning);
+  }
+  return text;
+}
+
+void add_places(CLI::App& command, Options& options) {
+  command.add_option("--link", options.link,
+                     "Make this symbolic link to the pseudo-terminal, and print it instead");
+  command.add_option("--control", options.control,
+                     "Listen for commands on this Unix socket, for example: press play");
+  command.add_option("--world", options.world,
+                     "Let it live in the world of this text file; examples/worlds holds some");
+  command.add_option("--trace", options.trace,
+                     "Draw its way in its world to this SVG file at the end");
+  command
+      .add_option("--count", options.count,
+                  "Serve so many robots, each alone in the world; the first has --link, --control "
+                  "and --trace end in .0 (.0.svg), and the seed of each is one more")
+      ->check(CLI::Range(std::size_t{1}, kMostRobots))
+      ->capture_default_str();
+  command
+      .add_option("--fault", options.faults,
+                  "Let this go wrong from the beginning, or after 'at SECONDS', as in --fault "
+                  "'lost 0.01 both' --fault 'at 5 unplugged'; to be given as often as needed")
+      ->type_size(1)
+      ->allow_extra_args(false)
+      ->check(CLI::Validator{[](const std::string& text) {
+                               const auto fault = parse_fault(text);
+                               return fault ? std::string{} : fault.failure().message;
+                             },
+                             "'[at SECONDS] NAME [ARGUMENTS]'"});
 }
 
 }  // namespace
@@ -64,8 +235,7 @@ void add_sim(CLI::App& app, Action& chosen) {
                          "Serve a virtual Create on a pseudo-terminal until Ctrl-C.\n"
                          "Prints `listening on PATH`; open PATH with any Open Interface client as "
                          "if it were a serial port.");
-  command->add_option("--link", options->link,
-                      "Make this symbolic link to the pseudo-terminal, and print it instead");
+  add_places(*command, *options);
   command
       ->add_option("--boot-baud", options->boot_baud,
                    "Baud rate at power-on: 57600, or 19200 as with Play held down")
@@ -80,7 +250,8 @@ void add_sim(CLI::App& app, Action& chosen) {
       ->check(CLI::Range(0, 98))
       ->capture_default_str();
   add_sim_options(*command, options->sim);
-  command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
+  command->footer(footer);
+  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace cargobay::cli

@@ -18,6 +18,24 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
       ->check(CLI::IsMember({"including", "excluding"}))
       ->capture_default_str()
       ->group(group);
+  app.add_flag(
+         "--extensions", options.extensions,
+         "Know what firmware of 2007-09-24 does: raw counts in packets 43 and 44, its date by "
+         "opcode 8, a reset by opcode 7")
+      ->group(group);
+  app.add_option("--power-on", options.power_on,
+                 "long-ago: it waits for Start; now: it boots, deaf for 3.5 s; never: it is off "
+                 "until somebody presses its button")
+      ->check(CLI::IsMember({"long-ago", "now", "never"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--battery", options.parameters.battery.charge_mah, "Its charge, in mAh")
+      ->check(CLI::Range(1.0, options.parameters.battery.capacity_mah))
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag("--no-charging-text", options.no_charging_text,
+               "Do not print a line of text each second while charging")
+      ->group(group);
   app.add_option("--seed", options.parameters.seed, "Of all that is random in it")
       ->capture_default_str()
       ->group(group);
@@ -56,6 +74,10 @@ hal::sim::Parameters parameters(const SimOptions& options) {
       options.remainder == "lost" ? hal::sim::Remainder::lost : hal::sim::Remainder::carried;
   parameters.checksum = options.checksum == "excluding" ? oi::Checksum::excluding_header
                                                         : oi::Checksum::including_header;
+  parameters.extensions = options.extensions ? oi::Extensions::on : oi::Extensions::off;
+  if (options.power_on == "now") parameters.power_on = hal::sim::PowerOn::now;
+  if (options.power_on == "never") parameters.power_on = hal::sim::PowerOn::never;
+  parameters.charging_text = !options.no_charging_text;
   return parameters;
 }
 

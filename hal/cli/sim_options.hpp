@@ -15,6 +15,9 @@ namespace cargobay::cli {
 struct SimOptions {
   std::string remainder = "carried";
   std::string checksum = "including";
+  std::string power_on = "long-ago";
+  bool extensions = false;
+  bool no_charging_text = false;
   hal::sim::Parameters parameters{};
 };
 

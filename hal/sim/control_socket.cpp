@@ -74,9 +74,9 @@ std::string control(std::string_view line, Server& server) {
       server.unplug();
       return "ok";
     }
-    if (no_more_words(rest) && name == "replugged") {
-      const auto problem = server.replug();
-      return problem ? "error: " + problem->message : "ok";
+    // The line behind the port may be broken too: what follows mends it.
+    if (no_more_words(rest) && (name == "replugged" || name == "none")) {
+      if (const auto problem = server.replug()) return "error: " + problem->message;
     }
   }
   std::string answer;

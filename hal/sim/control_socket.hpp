@@ -54,8 +54,8 @@ class ControlSocket {
   std::thread thread_;
 };
 
-// The answer of a served robot: `fault unplugged` and `replugged` take the port away and bring it
-// back, all else is control()'s.
+// The answer of a served robot: `fault unplugged` takes the port away, `replugged` and `none` bring
+// it back, all else is control()'s.
 std::string control(std::string_view line, Server& server);
 
 }  // namespace cargobay::hal::sim

@@ -155,10 +155,12 @@ void Device::switch_baud(std::uint32_t baud) {
 }
 
 void Device::take_half_command() {
+  if (power_ != Power::on) return;
+  if (mode_ == oi::Mode::off) enter(oi::Mode::passive);
   parser_.reset();
   // The longest there is: a song of 255 notes.
   for (const std::uint8_t byte : {oi::Song::kOpcode, std::uint8_t{0}, std::uint8_t{255}}) {
-    if (mode_ != oi::Mode::off) interpret(byte);
+    interpret(byte);
   }
 }
 

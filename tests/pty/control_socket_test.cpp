@@ -1,16 +1,14 @@
 #include "hal/sim/control_socket.hpp"
 
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "tests/pty/control_client.hpp"
 #include "tests/pty/serial_client.hpp"
 
 namespace cargobay::hal::sim {
@@ -40,43 +38,6 @@ struct Bench {
   std::unique_ptr<Server> server{};
   std::unique_ptr<ControlSocket> socket{};
   bool started = false;
-};
-
-class Caller {
- public:
-  explicit Caller(const std::string& path)
-      : descriptor_{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)} {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path, path.data(), path.size());
-    connected_ =
-        ::connect(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    const timeval patience{.tv_sec = 10, .tv_usec = 0};
-    setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  }
-  ~Caller() { close(descriptor_); }
-  Caller(const Caller&) = delete;
-  Caller& operator=(const Caller&) = delete;
-
-  bool connected() const { return connected_; }
-  void send(const std::string& text) const {
-    (void)::send(descriptor_, text.data(), text.size(), MSG_NOSIGNAL);
-  }
-  // The next line; empty where none comes.
-  std::string receive() const {
-    std::string line;
-    char character = 0;
-    while (recv(descriptor_, &character, 1, 0) == 1 && character != '\n') line += character;
-    return line;
-  }
-  std::string ask(const std::string& line) const {
-    send(line + "\n");
-    return receive();
-  }
-
- private:
-  int descriptor_;
-  bool connected_ = false;
 };
 
 TEST(ControlSocket, AnswersLineByLine) {
@@ -123,6 +84,19 @@ TEST(ControlSocket, TakesThePortAwayAndBringsItBack) {
   EXPECT_EQ(caller.ask("fault replugged"), "ok");
   const SerialClient again{bench.link};
   EXPECT_EQ(again.ask({142, 35}, 1), (Bytes{2})) << "the robot did not notice";
+}
+
+TEST(ControlSocket, BringsThePortBackWithTheEndOfAllFaults) {
+  Bench bench;
+  ASSERT_TRUE(bench.started);
+  const Caller caller{bench.path};
+  bench.server->with_cable([](Cable& cable) { cable.faults_to_host().unplugged = true; });
+  for (const char* mended : {"fault replugged", "fault none"}) {
+    EXPECT_EQ(caller.ask(mended), "ok");
+    const SerialClient client{bench.link};
+    EXPECT_EQ(client.ask({128, 142, 35}, 1), (Bytes{1})) << mended;
+    EXPECT_EQ(caller.ask("fault unplugged"), "ok");
+  }
 }
 
 TEST(ControlSocket, SurvivesWhatItCannotRead) {
