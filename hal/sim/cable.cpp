@@ -10,6 +10,7 @@ namespace {
 // So that the two directions and the robot's own noise do not draw the same numbers.
 constexpr std::uint64_t kToRobotSeed = 0x746f2d726f626f74;
 constexpr std::uint64_t kToHostSeed = 0x746f2d686f7374;
+constexpr rt::Duration kLongestDrain = std::chrono::seconds{2};
 
 }  // namespace
 
@@ -18,6 +19,13 @@ Cable::Cable(Device& device)
       host_baud_{device.baud()},
       to_robot_faults_{device.parameters().seed ^ kToRobotSeed, kHostRoom},
       to_host_faults_{device.parameters().seed ^ kToHostSeed, kHostRoom} {}
+
+void Cable::set_host_baud(std::uint32_t baud) {
+  if (baud == host_baud_) return;
+  device_->output().listen_anew(now());
+  to_robot_.cut_off(now() + kLongestDrain);
+  host_baud_ = baud;
+}
 
 std::size_t Cable::send(std::span<const std::uint8_t> bytes) {
   std::size_t sent = 0;
@@ -32,7 +40,7 @@ rt::Duration Cable::next_event() const {
   if (const auto arrival = to_robot_.next_arrival(device_->baud())) next = std::min(next, *arrival);
   if (const auto arrival = device_->output().next_arrival(host_baud_))
     next = std::min(next, *arrival);
-  // A rate that has just become faster finds bytes that are already over.
+  // A robot whose rate has just become faster finds bytes that are already over.
   return std::max(next, now());
 }
 

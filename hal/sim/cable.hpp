@@ -33,8 +33,9 @@ class Cable {
   // The device's: since its power-on.
   rt::Duration now() const { return device_->now(); }
 
-  // The host's rate, from now on. Not 0.
-  void set_host_baud(std::uint32_t baud) { host_baud_ = baud; }
+  // The host's rate, from now on. Not 0. What it sent leaves at the former rate, within 2 s or not
+  // at all: the next client of a port need not wait for what one before it wrote at 1 baud.
+  void set_host_baud(std::uint32_t baud);
   std::uint32_t host_baud() const { return host_baud_; }
 
   // Queues bytes from the host, in their order at the host's rate; returns how many had room.

@@ -30,6 +30,10 @@ class RingBuffer {
     first_ = wrapped(1);
     --size_;
   }
+  void pop_back() {
+    assert(!empty());
+    --size_;
+  }
   void clear() {
     first_ = 0;
     size_ = 0;

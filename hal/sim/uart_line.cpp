@@ -41,6 +41,18 @@ std::optional<UartLine::Arrival> UartLine::pop(rt::Duration now, std::uint32_t b
   return next->arrival;
 }
 
+void UartLine::listen_anew(rt::Duration now) {
+  listen_from_ = std::max(listen_from_, now);
+  forget_past();
+}
+
+void UartLine::cut_off(rt::Duration time) {
+  if (free_at_ <= time) return;
+  while (!flights_.empty() && flights_.back().end > time) flights_.pop_back();
+  free_at_ = flights_.empty() ? time : flights_.back().end;
+  burst_bytes_ = 0;
+}
+
 void UartLine::clear() {
   flights_.clear();
   burst_bytes_ = 0;

@@ -46,6 +46,11 @@ class UartLine {
   std::optional<rt::Duration> batch_arrival(std::size_t count) const;
   // The next byte that has arrived by `now`.
   std::optional<Arrival> pop(rt::Duration now, std::uint32_t baud);
+  // The receiver has changed its rate: what went by before is gone, a byte half over is heard from
+  // its middle.
+  void listen_anew(rt::Duration now);
+  // The sender forgets the bytes that would not have left by `time`.
+  void cut_off(rt::Duration time);
   // Forgets what is on its way.
   void clear();
 

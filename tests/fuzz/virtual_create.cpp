@@ -113,8 +113,8 @@ class Schedule {
     require(control("fault none", link_.cable()) == "ok");
     if (device_.power() == Power::off) device_.press_power();
     device_.brown_out();  // what waits to be sent is forgotten too
+    (void)link_.set_baud(oi::kDefaultBaud);
     link_.advance(std::chrono::seconds{4});
-    (void)link_.set_baud(device_.baud());
     link_.discard_input();
     const std::array<std::uint8_t, 1> start{128};
     const std::array<std::uint8_t, 1> sensors{142};

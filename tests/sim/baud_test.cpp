@@ -85,6 +85,40 @@ TEST(Baud, GarblesTheStreamAtAWrongRate) {
   EXPECT_EQ(std::count(garbled.begin(), garbled.end(), 19), 0);
 }
 
+// Found by fuzzing: a host at a very slow rate was handed the bytes that had gone by, all at once,
+// when it changed to theirs.
+TEST(Baud, IsNotHeardAfterwardsAtTheRateItWasMissedAt) {
+  Robot robot;
+  ASSERT_FALSE(robot.link.set_baud(1));
+  robot.device.print("far too fast for one bit a second");
+  robot.wait(100ms);
+  ASSERT_FALSE(robot.link.set_baud(57600));
+  robot.wait(100ms);
+  EXPECT_TRUE(robot.receive().empty());
+  robot.device.print("heard");
+  robot.wait(1ms);
+  EXPECT_EQ(robot.receive(), (Bytes{'h', 'e', 'a', 'r', 'd'}));
+}
+
+// Found by fuzzing: one byte at 1 baud held up all that came behind it.
+TEST(Baud, DoesNotWaitForEverForWhatWasSentTooSlowly) {
+  Robot robot;
+  ASSERT_FALSE(robot.link.set_baud(1));
+  EXPECT_EQ(robot.link.write(Bytes(100, 128)).count, 100U);
+  robot.wait(100ms);
+  ASSERT_FALSE(robot.link.set_baud(57600));
+  robot.send({128});
+  EXPECT_EQ(robot.device.mode(), oi::Mode::passive);
+  EXPECT_LT(robot.link.now().time_since_epoch(), 3s);
+  // What would have left in time does.
+  ASSERT_FALSE(robot.link.set_baud(19200));
+  ASSERT_FALSE(robot.link.set_baud(57600));
+  EXPECT_EQ(robot.link.write(Bytes{131, 132}).count, 2U);
+  ASSERT_FALSE(robot.link.set_baud(19200));
+  robot.wait(10ms);
+  EXPECT_EQ(robot.device.mode(), oi::Mode::full);
+}
+
 TEST(Baud, LosesBytesThatComeTooFastAt115200) {
   Parameters parameters;
   parameters.boot_baud = 115200;
