@@ -2,8 +2,10 @@
 // that any other device can be asked the same.
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -38,6 +40,20 @@ TEST_F(GettingStartedCommands, BaudChangesTheRateBothWays) {
   wait(150ms);
   ASSERT_FALSE(stream().set_baud(19200));
   EXPECT_EQ(mode(), 1);
+  send({129, *oi::baud_code(boot_baud)});
+  wait(150ms);
+  ASSERT_FALSE(stream().set_baud(boot_baud));
+  EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(GettingStartedCommands, EveryBaudCodeIsItsRate) {
+  for (std::size_t code = 0; code < oi::kBaudRates.size(); ++code) {
+    send({129, static_cast<std::uint8_t>(code)});
+    wait(150ms);
+    ASSERT_FALSE(stream().set_baud(oi::kBaudRates[code]));
+    EXPECT_EQ(mode(), 1) << oi::kBaudRates[code] << " baud";
+    wait(1ms);  // 115200 needs a pause behind the answer too
+  }
   send({129, *oi::baud_code(boot_baud)});
   wait(150ms);
   ASSERT_FALSE(stream().set_baud(boot_baud));
@@ -85,6 +101,22 @@ TEST_F(ModeCommands, PassiveDoesNotDrive) {
   EXPECT_EQ(word_packet(42), 0);
 }
 
+TEST_F(ModeCommands, PassiveTakesSongsAndScriptsForLater) {
+  send({140, 6, 1, 60, 16, 152, 1, 128, 132, 141, 6});
+  EXPECT_EQ(packet(36), 6);
+  EXPECT_EQ(packet(37), 1);
+  EXPECT_EQ(ask({154}, 2), (Bytes{1, 128}));
+  wait(300ms);
+}
+
+TEST_F(ModeCommands, PassiveStopsWhatTurns) {
+  send({132, 145, 0, 100, 0, 100});
+  wait(300ms);
+  send({128});
+  wait(700ms);
+  EXPECT_LE(moved_within(300ms), 1);
+}
+
 TEST_F(ModeCommands, PassivePlaysNoSong) {
   send({140, 0, 1, 60, 64, 141, 0});
   EXPECT_EQ(packet(37), 0);
@@ -100,6 +132,32 @@ TEST_F(DemoCommands, MakeItPassive) {
   }
   send({132, 136, 255});
   EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(DemoCommands, HaveTenNumbers) {
+  for (std::uint8_t number = 0; number < 10; ++number) {
+    send({132, 136, number});
+    EXPECT_EQ(mode(), 1) << int{number};
+    send({136, 255});
+  }
+}
+
+TEST_F(DemoCommands, CoverDrivesUntilItIsAborted) {
+  (void)moved_within(0ms);
+  send({135});
+  EXPECT_GT(moved_within(1500ms), 50);
+  send({136, 255});
+  wait(700ms);
+  EXPECT_LE(moved_within(300ms), 1) << "it stands";
+}
+
+TEST_F(DemoCommands, AModeCommandTakesOver) {
+  send({135});
+  wait(500ms);
+  send({132});
+  wait(700ms);
+  EXPECT_LE(moved_within(300ms), 1);
+  EXPECT_EQ(mode(), 3);
 }
 
 // --- Actuators (OI p. 9 to 11) ---
@@ -129,6 +187,55 @@ TEST_F(ActuatorCommands, DrivingIsMeasured) {
   EXPECT_EQ(word_packet(19), 0) << "a reading clears";
 }
 
+TEST_F(ActuatorCommands, DriveGoesStraightByEitherOfTwoRadii) {
+  for (const auto& [high, low] : {std::pair{0x80, 0x00}, std::pair{0x7f, 0xff}}) {
+    send({132, 142, 2});
+    (void)receive(6);
+    send({137, 0, 100, static_cast<std::uint8_t>(high), static_cast<std::uint8_t>(low)});
+    wait(1s);
+    send({137, 0, 0, 0, 0});
+    wait(500ms);
+    EXPECT_GT(word_packet(19), 60);
+    EXPECT_LE(std::abs(word_packet(20)), 5) << "a degree or two of droop";
+  }
+}
+
+TEST_F(ActuatorCommands, DrivingBackwardIsNegative) {
+  (void)moved_within(0ms);
+  send({132, 145, 0xff, 0x9c, 0xff, 0x9c});
+  const int moved = moved_within(1s);
+  send({145, 0, 0, 0, 0});
+  EXPECT_LT(moved, -60);
+  EXPECT_GT(moved, -120);
+  wait(500ms);
+}
+
+TEST_F(ActuatorCommands, DriveTurnsClockwiseByRadiusMinusOne) {
+  send({132, 142, 2});
+  (void)receive(6);
+  send({137, 0, 100, 0xff, 0xff});
+  wait(1s);
+  send({137, 0, 0, 0, 0});
+  wait(500ms);
+  const std::int16_t angle = word_packet(20);
+  EXPECT_LT(angle, -25);
+  EXPECT_GT(angle, -60);
+}
+
+TEST_F(ActuatorCommands, DriveTurnsAroundACentreToTheLeft) {
+  send({132, 142, 2});
+  (void)receive(6);
+  send({137, 0, 150, 1, 44});  // 150 mm/s, radius 300 mm
+  wait(1s);
+  send({137, 0, 0, 0, 0});
+  wait(500ms);
+  const std::int16_t distance = word_packet(19);
+  const std::int16_t angle = word_packet(20);
+  EXPECT_GT(distance, 100);
+  EXPECT_GT(angle, 15);
+  EXPECT_NEAR(angle, distance * 57.3 / 300.0, 8.0) << "an arc of that radius";
+}
+
 TEST_F(ActuatorCommands, TurningIsMeasuredCounterClockwisePositive) {
   send({132, 142, 2});
   (void)receive(6);
@@ -151,15 +258,21 @@ TEST_F(ActuatorCommands, TakeTheirBytesAndNoMore) {
   }
 }
 
-TEST_F(ActuatorCommands, EndWhenTheModeIsLeft) {
-  send({132, 145, 0, 100, 0, 100});
-  wait(500ms);
-  send({128});
-  wait(700ms);
-  send({142, 2});
-  (void)receive(6);
-  wait(300ms);
-  EXPECT_EQ(word_packet(19), 0) << "it stands";
+// What they do can be seen on the robot only; that they leave the rest alone, here as well.
+TEST_F(ActuatorCommands, LedsOutputsDriversAndIrLeaveTheWheelsAndTheStreamAlone) {
+  send({132, 145, 0, 0, 0, 30, 148, 1, 35});
+  for (const Bytes& command :
+       {Bytes{139, 10, 128, 255}, Bytes{147, 7}, Bytes{138, 7}, Bytes{144, 128, 64, 1},
+        Bytes{151, 200}, Bytes{139, 0, 0, 0}, Bytes{147, 0}, Bytes{138, 0}, Bytes{144, 0, 0, 0}}) {
+    send(command);
+    const Bytes frames = receive(10);
+    ASSERT_EQ(frames.size(), 10U) << int{command[0]};
+    EXPECT_EQ(frames[3], 3) << int{command[0]};
+  }
+  send({150, 0});
+  wait(100ms);
+  EXPECT_EQ(word_packet(42), 30);
+  EXPECT_EQ(packet(14), 0) << "no overcurrent";
 }
 
 // --- Songs (OI p. 11, 12) ---
@@ -222,6 +335,54 @@ TEST_F(InputCommands, EveryPacketIsInItsRange) {
   }
 }
 
+TEST_F(InputCommands, WhatIsNoPacketHasNoAnswer) {
+  send({142, 100});
+  EXPECT_TRUE(listen(50ms).empty());
+  EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(InputCommands, ChargingAgreesWithItsSources) {
+  send({149, 2, 21, 34});
+  const Bytes state = receive(2);
+  ASSERT_EQ(state.size(), 2U);
+  EXPECT_TRUE(state[1] != 0 || state[0] == 0) << "nothing charges out of nothing";
+  send({132});
+  EXPECT_EQ(packet(21), 0) << "Full does not charge";
+}
+
+TEST_F(InputCommands, ChargeIsAtMostTheCapacity) {
+  const Bytes battery = ask({149, 2, 25, 26}, 4);
+  ASSERT_EQ(battery.size(), 4U);
+  EXPECT_LE(battery[0] * 256 + battery[1], battery[2] * 256 + battery[3]);
+}
+
+TEST_F(InputCommands, CliffsAgreeWithTheirSignals) {
+  const Bytes seen = ask({149, 8, 9, 10, 11, 12, 28, 29, 30, 31}, 12);
+  ASSERT_EQ(seen.size(), 12U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const int signal = seen[4 + 2 * i] * 256 + seen[5 + 2 * i];
+    EXPECT_TRUE(seen[i] == 1 || signal > 0) << "a floor reflects";
+  }
+}
+
+TEST_F(InputCommands, TheLongestGroupIsAllPackets) {
+  Bytes list{149, 36};
+  for (std::uint8_t id = 7; id <= 42; ++id) list.push_back(id);
+  const Bytes group = ask({142, 6}, 52);
+  const Bytes one_by_one = ask(list, 52);
+  ASSERT_EQ(group.size(), 52U);
+  ASSERT_EQ(one_by_one.size(), 52U);
+  // But for what changes by itself: the battery's five, at 16 to 25 of the 52.
+  const auto battery_from = [](const Bytes& bytes) { return bytes.begin() + 16; };
+  EXPECT_TRUE(std::equal(group.begin(), battery_from(group), one_by_one.begin()));
+  EXPECT_TRUE(std::equal(battery_from(group) + 10, group.end(), battery_from(one_by_one) + 10));
+}
+
+TEST_F(InputCommands, QueryListTakesGroups) {
+  EXPECT_EQ(ask({149, 3, 0, 35, 6}, 26 + 1 + 52).size(), 79U);
+  EXPECT_TRUE(listen(50ms).empty());
+}
+
 TEST_F(InputCommands, GroupsAreTheirPacketsInOrder) {
   send({132, 145, 0, 0, 0, 0});
   wait(50ms);
@@ -261,6 +422,43 @@ TEST_F(InputCommands, StreamSendsAFrameEachFifteenMilliseconds) {
   send({150, 0});
   EXPECT_GT(period, 14ms);
   EXPECT_LT(period, 16ms);
+}
+
+TEST_F(InputCommands, StreamFitsTheLongestGroup) {
+  send({148, 1, 6});
+  const Bytes frames = receive(560, 2s);
+  send({150, 0});
+  ASSERT_EQ(frames.size(), 560U);
+  bool including = true;
+  bool excluding = true;
+  for (std::size_t at = 0; at < frames.size(); at += 56) {
+    const std::span<const std::uint8_t> frame{frames.data() + at, 56};
+    EXPECT_EQ(frame[0], 19);
+    EXPECT_EQ(frame[1], 53);
+    EXPECT_EQ(frame[2], 6);
+    including = including && oi::checksum_matches(frame, oi::Checksum::including_header);
+    excluding = excluding && oi::checksum_matches(frame, oi::Checksum::excluding_header);
+  }
+  EXPECT_NE(including, excluding) << "one of the two, always the same";
+}
+
+TEST_F(InputCommands, StreamCountsItsPackets) {
+  EXPECT_EQ(ask({148, 3, 7, 8, 9, 150, 0, 142, 38}, 1).size(), 1U);
+  wait(100ms);
+  EXPECT_EQ(packet(38), 3);
+}
+
+TEST_F(InputCommands, ARepliesBytesAreNotInAFrame) {
+  send({148, 2, 35, 37});
+  (void)receive(7);
+  send({150, 0});
+  wait(50ms);
+  EXPECT_EQ(mode(), 1);
+  send({150, 1});
+  const Bytes frames = receive(14);
+  ASSERT_EQ(frames.size(), 14U);
+  EXPECT_EQ(frames[0], 19);
+  EXPECT_EQ(frames[7], 19);
 }
 
 TEST_F(InputCommands, StreamIsPausedResumedAndReplaced) {
@@ -328,6 +526,24 @@ TEST_F(ScriptCommands, ArePlayed) {
   EXPECT_EQ(ask({153}, 1), (Bytes{3})) << "and again";
 }
 
+TEST_F(ScriptCommands, AreKeptThroughModesAndReplacedByTheNext) {
+  send({152, 2, 128, 128, 132, 131, 128});
+  EXPECT_EQ(ask({154}, 3), (Bytes{2, 128, 128}));
+  send({152, 1, 128});
+  EXPECT_EQ(ask({154}, 2), (Bytes{1, 128}));
+  EXPECT_TRUE(listen(50ms).empty());
+}
+
+TEST_F(ScriptCommands, DriveAndTellWhenTheyAreThrough) {
+  (void)moved_within(0ms);
+  send({152, 18, 132, 137, 0, 100, 128, 0, 156, 0, 40, 137, 0, 0, 128, 0, 128, 149, 1, 35, 153});
+  EXPECT_EQ(receive(1, 5s), (Bytes{1}));
+  wait(500ms);
+  const std::int16_t moved = word_packet(19);
+  EXPECT_GE(moved, 36);
+  EXPECT_LT(moved, 80);
+}
+
 TEST_F(ScriptCommands, LoopWithPlayScriptAsTheirLastCommand) {
   send({152, 5, 142, 35, 155, 1, 153, 153});
   const Bytes ticks = receive(5, 3s);
@@ -363,6 +579,33 @@ TEST_F(WaitCommands, WaitAngleEndsThere) {
   const std::int16_t angle = word_packet(20);
   EXPECT_LE(angle, -26);
   EXPECT_GT(angle, -60);
+}
+
+TEST_F(WaitCommands, WaitDistanceGoesBackwardToo) {
+  send({132, 137, 0xff, 0x9c, 128, 0, 156, 0xff, 0xce, 137, 0, 0, 128, 0, 142, 35});
+  EXPECT_EQ(receive(1, 5s), (Bytes{3}));
+  wait(500ms);
+  const std::int16_t distance = word_packet(19);
+  EXPECT_LE(distance, -45);
+  EXPECT_GT(distance, -90);
+}
+
+TEST_F(WaitCommands, SilenceTheStream) {
+  send({148, 1, 35});
+  (void)receive(5);
+  send({155, 5});
+  wait(100ms);
+  EXPECT_TRUE(listen(300ms).empty());
+  EXPECT_EQ(receive(5).size(), 5U);
+  send({150, 0});
+}
+
+TEST_F(WaitCommands, AreDeafAndKeepWhatTheyHear) {
+  send({155, 4});
+  wait(50ms);
+  send({132, 142, 35});
+  EXPECT_TRUE(listen(200ms).empty());
+  EXPECT_EQ(receive(1), (Bytes{3}));
 }
 
 TEST_F(WaitCommands, WaitEventSeesWhatIsSoAlready) {

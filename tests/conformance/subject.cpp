@@ -78,4 +78,10 @@ std::int16_t Conformance::word_packet(std::uint8_t id) {
                            : static_cast<std::int16_t>(answer[0] * 256 + answer[1]);
 }
 
+int Conformance::moved_within(rt::Duration period) {
+  (void)word_packet(19);
+  wait(period);
+  return word_packet(19);
+}
+
 }  // namespace cargobay::conformance

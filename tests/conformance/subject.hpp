@@ -48,6 +48,8 @@ class Conformance : public testing::Test {
   std::uint8_t packet(std::uint8_t id);
   std::int16_t word_packet(std::uint8_t id);
   std::uint8_t mode() { return packet(35); }
+  // The distance of that time; readings clear.
+  int moved_within(rt::Duration period);
   // Lets time pass, and drops what comes.
   void wait(rt::Duration period) { (void)listen(period); }
 
