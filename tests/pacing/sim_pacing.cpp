@@ -1,103 +1,158 @@
-// A minute of real time: many virtual Creates in one process, each streaming all it has, each at
-// the robot's pace. What they cost is printed, not judged: the machine may be shared.
+// sim_pacing COUNT...: a minute of real time for each count, with so many virtual Creates in one
+// process of `cargobay sim`, each streaming all it has. Fails where one of them does not keep the
+// robot's pace: 15 ms a frame in the mean, and no byte before the wire could have brought it. What
+// they cost is printed, not judged: the machine may be shared.
 #include <poll.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "hal/sim/server.hpp"
+#include "tests/pty/command.hpp"
 #include "tests/pty/serial_client.hpp"
 
-namespace cargobay::hal::sim {
+namespace cargobay::test {
 namespace {
 
-using namespace test;  // NOLINT(google-build-using-namespace): this folder's own helpers
+using hal::sim::test::eventually;
+using hal::sim::test::SerialClient;
 
 constexpr std::size_t kFrameBytes = 56;  // packet 6, framed
 constexpr double kBytesPerSecond = 5760.0;
 constexpr double kPeriodS = 0.015;
 constexpr double kTolerance = 0.001;
+constexpr double kDurationS = 60.0;
 
-double seconds_of(clockid_t clock) {
+double monotonic_s() {
   timespec time{};
-  clock_gettime(clock, &time);
+  clock_gettime(CLOCK_MONOTONIC, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-struct Served {
-  std::unique_ptr<Server> server{};
-  std::unique_ptr<SerialClient> client{};
-  double asked_at_s = 0.0;
-  double first_at_s = 0.0;  // when the first frame was whole
-  double last_at_s = 0.0;
-  std::size_t bytes = 0;
-  bool early = false;
+// Processor time of a process: fields 14 and 15 of its stat, of which the second may hold blanks.
+double processor_s(pid_t process) {
+  std::ifstream file{"/proc/" + std::to_string(process) + "/stat"};
+  std::string text{std::istreambuf_iterator<char>{file}, {}};
+  std::istringstream fields{text.substr(text.rfind(')') + 1)};
+  std::string passed_over;
+  for (int i = 3; i < 14; ++i) fields >> passed_over;
+  double user = 0.0;
+  double system = 0.0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
 
+class Stream {
+ public:
+  explicit Stream(const std::string& path) : client_{path}, asked_at_s_{monotonic_s()} {
+    asked_ = client_.send({128, 148, 1, 6});
+  }
+  bool asked() const { return asked_; }
+  int descriptor() const { return client_.descriptor(); }
   // Takes what is there.
   void read_all() {
     std::array<std::uint8_t, 4096> buffer{};
-    const ssize_t count = read(client->descriptor(), buffer.data(), buffer.size());
+    const ssize_t count = read(client_.descriptor(), buffer.data(), buffer.size());
     if (count <= 0) return;
-    const double now_s = seconds_of(CLOCK_MONOTONIC);
+    const double now_s = monotonic_s();
     const std::size_t frames_before = frames();
-    bytes += static_cast<std::size_t>(count);
-    early = early || static_cast<double>(bytes) > (now_s - asked_at_s) * kBytesPerSecond;
+    bytes_ += static_cast<std::size_t>(count);
+    early_ = early_ || static_cast<double>(bytes_) > (now_s - asked_at_s_) * kBytesPerSecond;
     if (frames() == frames_before) return;
-    if (frames_before == 0) first_at_s = now_s;
-    last_at_s = now_s;
+    if (frames_before == 0) {
+      first_at_s_ = now_s;
+      first_ = frames();
+    }
+    last_at_s_ = now_s;
   }
-  std::size_t frames() const { return bytes / kFrameBytes; }
+  std::size_t frames() const { return bytes_ / kFrameBytes; }
+  bool early() const { return early_; }
   double period_s() const {
-    return (last_at_s - first_at_s) / (static_cast<double>(frames()) - 1.0);
+    return (last_at_s_ - first_at_s_) / static_cast<double>(frames() - first_);
   }
+
+ private:
+  SerialClient client_;
+  double asked_at_s_;
+  bool asked_ = false;
+  double first_at_s_ = 0.0;  // when the first frame was whole
+  double last_at_s_ = 0.0;
+  std::size_t first_ = 0;
+  std::size_t bytes_ = 0;
+  bool early_ = false;
 };
 
-void serve_and_measure(std::size_t count, double duration_s) {
-  std::vector<Served> robots(count);
-  for (Served& robot : robots) {
-    auto opened = Server::open({}, {});
-    ASSERT_TRUE(opened);
-    robot.server = std::move(*opened);
-    ASSERT_FALSE(robot.server->start());
-    robot.client = std::make_unique<SerialClient>(robot.server->path());
-    robot.asked_at_s = seconds_of(CLOCK_MONOTONIC);
-    ASSERT_TRUE(robot.client->send({128, 148, 1, 6}));
-  }
-  std::vector<pollfd> sources;
-  sources.reserve(count);
-  for (const Served& robot : robots) {
-    sources.push_back({.fd = robot.client->descriptor(), .events = POLLIN, .revents = 0});
-  }
-  const double process_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-  const double reader_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);
-  const double begin_s = seconds_of(CLOCK_MONOTONIC);
-  while (seconds_of(CLOCK_MONOTONIC) < begin_s + duration_s) {
-    poll(sources.data(), sources.size(), 100);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (sources[i].revents != 0) robots[i].read_all();
-    }
-  }
-  const double elapsed_s = seconds_of(CLOCK_MONOTONIC) - begin_s;
-  const double served_s = (seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_s) -
-                          (seconds_of(CLOCK_THREAD_CPUTIME_ID) - reader_s);
-  std::printf("%zu robots: %.2f %% of a core each, %.1f %% together\n", count,
-              100.0 * served_s / elapsed_s / static_cast<double>(count),
-              100.0 * served_s / elapsed_s);
-  for (const Served& robot : robots) {
-    EXPECT_NEAR(robot.period_s() / kPeriodS, 1.0, kTolerance);
-    EXPECT_FALSE(robot.early);
-    EXPECT_EQ(robot.server->snapshot().server.bytes_undelivered, 0U);
-  }
+std::vector<std::string> announced(const std::string& out) {
+  constexpr std::string_view kAnnouncement = "listening on ";
+  std::vector<std::string> paths;
+  std::istringstream lines{out};
+  for (std::string line; std::getline(lines, line);)
+    paths.push_back(line.substr(kAnnouncement.size()));
+  return paths;
 }
 
-TEST(ServerPacing, OfOneRobotIsExactOverAMinute) { serve_and_measure(1, 60.0); }
+// Starts the command and asks each of its robots for its stream; empty where that fails.
+std::vector<std::unique_ptr<Stream>> open_streams(Command& command, std::size_t count) {
+  std::vector<std::unique_ptr<Stream>> streams;
+  if (!eventually([&] { return !command.running() || announced(command.out()).size() == count; }))
+    return {};
+  for (const std::string& path : announced(command.out())) {
+    streams.push_back(std::make_unique<Stream>(path));
+    if (!streams.back()->asked()) return {};
+  }
+  return streams;
+}
 
-TEST(ServerPacing, OfThirtyTwoRobotsIsExactOverAMinute) { serve_and_measure(32, 60.0); }
+bool keep_their_pace(std::size_t count) {
+  Command command{{"sim", "--count", std::to_string(count)}};
+  const auto streams = open_streams(command, count);
+  if (streams.size() != count) {
+    std::fprintf(stderr, "no %zu robots: %s\n", count, command.err().c_str());
+    return false;
+  }
+  const double processor_before_s = processor_s(command.process());
+  const double begin_s = monotonic_s();
+  while (monotonic_s() < begin_s + kDurationS) {
+    poll(nullptr, 0, 5);  // the reader leaves the processor to the robots
+    for (const auto& stream : streams) stream->read_all();
+  }
+  const double elapsed_s = monotonic_s() - begin_s;
+  const double share = (processor_s(command.process()) - processor_before_s) / elapsed_s;
+  double worst = 0.0;
+  bool early = false;
+  for (const auto& stream : streams) {
+    const double error = std::abs(stream->period_s() / kPeriodS - 1.0);
+    worst = std::max(worst, std::isfinite(error) ? error : 1.0);
+    early = early || stream->early();
+  }
+  std::printf("| %6zu | %8.2f %% | %8.1f %% | %11.4f %% | %-5s |\n", count,
+              100.0 * share / static_cast<double>(count), 100.0 * share, 100.0 * worst,
+              early ? "yes" : "none");
+  std::fflush(stdout);
+  command.send(SIGTERM);
+  return worst <= kTolerance && !early && command.exit_code() == 0;
+}
 
 }  // namespace
-}  // namespace cargobay::hal::sim
+}  // namespace cargobay::test
+
+int main(int argc, char** argv) {
+  std::printf(
+      "| robots | a core each | together | worst period | early |\n|---|---|---|---|---|\n");
+  bool kept = argc > 1;
+  for (int i = 1; i < argc; ++i) {
+    const std::size_t count = std::strtoul(argv[i], nullptr, 10);
+    kept = cargobay::test::keep_their_pace(count) && kept;
+  }
+  return kept ? 0 : 1;
+}

@@ -27,6 +27,7 @@ class Command {
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
+  pid_t process() const { return process_; }
   void send(int signal) const;
   void type(std::string_view keys) const;  // on its terminal
   void close_terminal();
