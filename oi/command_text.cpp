@@ -6,6 +6,7 @@
 #include "oi/argument_names.hpp"
 #include "oi/commands.hpp"
 #include "oi/nearest_name.hpp"
+#include "oi/song.hpp"
 #include "oi/text_number.hpp"
 #include "oi/text_slice.hpp"
 #include "oi/text_words.hpp"
@@ -173,7 +174,9 @@ class Encoder {
     const std::span<const ArgumentInfo> arguments = element_arguments(info.tail);
     if (colon == std::string_view::npos) return fail(Code::bad_note, word, &info);
     if (!one_more(info, word)) return false;
-    return element_value(info, arguments[0], word.part(0, colon)) &&
+    const Word pitch = word.part(0, colon);
+    const std::optional<std::uint8_t> named = find_note(pitch.text);
+    return (named ? put(*named, pitch) : element_value(info, arguments[0], pitch)) &&
            element_value(info, arguments[1], word.part(colon + 1, std::string_view::npos));
   }
 

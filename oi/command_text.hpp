@@ -3,7 +3,7 @@
 //   drive -200 500            the manual's name in snake case, then the arguments in its units
 //   drive_direct 100 -100     left before right, and drivers 0, 1, 2: not the order of the wire
 //   stream distance angle     as many packets as there are; `none` for none; numbers will do too
-//   song 0 60:32 rest:16      number:duration
+//   song 0 60:32 c#5:16       note:duration; a note is a number, `c4` (60), `f#5`, `bb3` or `rest`
 //   leds play,advance 0 128   bits by name with commas between, `none`, or their sum
 //   baud 57600                the rate; a number below 12 is a code
 //   script { drive 300 straight; wait_distance 400; drive 0 0 }

@@ -114,7 +114,7 @@ void write_what(TextWriter& out, const TextError& error, std::string_view word) 
     case Code::extra_argument: return write_extra(out, error, word);
     case Code::bad_note:
       write_word(out, word);
-      return out.put(" is no note; write number:duration, such as 60:32 or rest:16");
+      return out.put(" is no note; write note:duration, such as 60:32, c4:32 or rest:16");
     case Code::too_many:
       return write_limit(out, "more than ", error,
                          error.command->tail == Tail::notes ? " notes" : " packets");

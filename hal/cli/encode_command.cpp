@@ -51,7 +51,7 @@ void add_encode(CLI::App& app, Action& chosen) {
       "  cargobay encode drive -200 500\n"
       "  cargobay encode 'safe; drive_direct 100 100; leds play,advance 0 255'\n"
       "  cargobay encode stream distance angle oi_mode\n"
-      "  cargobay encode 'song 0 60:32 rest:16 64:32'\n"
+      "  cargobay encode 'song 0 c4:32 rest:16 64:32'\n"
       "  cargobay encode 'script { drive 300 straight; wait_distance 400; drive 0 0 }'");
   command->callback([binary, command, &chosen] {
     chosen = [binary, command] { return encode(*command, *binary); };

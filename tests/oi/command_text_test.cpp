@@ -123,6 +123,9 @@ INSTANTIATE_TEST_SUITE_P(
         Example{"leds none 0 0", {139, 0, 0, 0}},
         Example{"song 0 60:32 64:32", {140, 0, 2, 60, 32, 64, 32}},
         Example{"song 15 rest:16 30:1", {140, 15, 2, 0, 16, 30, 1}},
+        Example{"song 2 c4:32 A#3:1 bb3:1 g9:2",
+                {140, 2, 4, 60, 32, 58, 1, 58, 1, 127, 2},
+                "song 2 60:32 58:1 58:1 127:2"},
         Example{"song 1 0:8", {140, 1, 1, 0, 8}, "song 1 rest:8"}, Example{"play 3", {141, 3}},
         Example{"sensors group_6", {142, 6}}, Example{"sensors 19", {142, 19}, "sensors distance"},
         Example{"cover_and_dock", {143}}, Example{"drive_direct 100 -100", {145, 255, 156, 0, 100}},
@@ -305,8 +308,11 @@ TEST(EncodeText, RefusesTooFewAndTooManyArguments) {
 }
 
 TEST(EncodeText, CountsNotesAndPackets) {
-  EXPECT_EQ(error_of("song 1 60"),
-            "column 8: song: '60' is no note; write number:duration, such as 60:32 or rest:16");
+  EXPECT_EQ(
+      error_of("song 1 60"),
+      "column 8: song: '60' is no note; write note:duration, such as 60:32, c4:32 or rest:16");
+  EXPECT_THAT(error_of("song 1 h4:8"), HasSubstr("'h4'"));
+  EXPECT_THAT(error_of("song 1 f#1:8"), HasSubstr("'f#1'")) << "below what the robot sounds";
   const auto repeated = [](std::string text, std::string_view word, int times) {
     while (times-- > 0) text += word;
     return text;

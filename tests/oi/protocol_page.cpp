@@ -71,7 +71,8 @@ constexpr std::string_view kCommandNotesText = R"(
   clockwise on the spot, 1 counter-clockwise.
 - **LEDs.** Play is bit 1, Advance is bit 3; other bits mean nothing and are refused.
 - **Song** stores, so it works in Passive; **Play Song** sounds, so it does not, and is ignored while
-  a song plays. A note outside 31 to 127 is a rest.
+  a song plays. A note outside 31 to 127 is a rest. In text a note may also be named: `c4` is 60,
+  `f#5` and `bb3` are others.
 - **Stream** replaces the list; a list of length 0 ends the stream. **Pause/Resume Stream** keeps it.
 - **Script.** The length counts bytes; 0 clears. **Show Script** answers with the length and the
   bytes, and halts the stream until it is resumed.
