@@ -155,7 +155,7 @@ void encode_drive_direct(benchmark::State& state) {
   std::int32_t speed = 0;
   for ([[maybe_unused]] auto round : state) {
     speed = (speed + 1) % 500;
-    const auto bytes = encode(DriveDirect{.left = MmPerSec{speed}, .right = MmPerSec{-speed}});
+    auto bytes = encode(DriveDirect{.left = MmPerSec{speed}, .right = MmPerSec{-speed}});
     benchmark::DoNotOptimize(bytes);
   }
 }
