@@ -52,13 +52,20 @@ int PortLock::lock() {
   if (tcgetattr(descriptor_, &found_) != 0) return errno;
   found_speed_ = tty_speed(descriptor_);
   ours_ = true;
-  forbid_opening();
+  ioctl(descriptor_, TIOCEXCL);
   return 0;
 }
 
-void PortLock::allow_opening() const { ioctl(descriptor_, TIOCNXCL); }
+void PortLock::let_go() const {
+  ioctl(descriptor_, TIOCNXCL);
+  flock(descriptor_, LOCK_UN);
+}
 
-void PortLock::forbid_opening() const { ioctl(descriptor_, TIOCEXCL); }
+int PortLock::hand_over(int descriptor) const {
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  ioctl(descriptor, TIOCEXCL);
+  return 0;
+}
 
 // Somebody's own terminal, named by mistake, is one that can be typed on again.
 PortLock::~PortLock() {
@@ -68,7 +75,7 @@ PortLock::~PortLock() {
     if (found_speed_.has_value() && tty_speed(descriptor_) != found_speed_) {
       (void)set_tty_speed(descriptor_, *found_speed_);  // nobody is left to be told
     }
-    allow_opening();
+    let_go();
   }
   close(descriptor_);
 }

@@ -25,10 +25,12 @@ class PortLock {
 
   int descriptor() const { return descriptor_; }
   const termios& found() const { return found_; }
-  // After this another description of the port may be opened by this process, or any of root's,
-  // which the lock then refuses; and no longer after forbid_opening().
-  void allow_opening() const;
-  void forbid_opening() const;
+  // For a library that opens the port itself: not locked any more, until hand_over(). libserialport
+  // locks by flock() too, from 0.1.2 on, and would find us in its way.
+  void let_go() const;
+  // The lock is from now on that of this other descriptor of the port: 0, or EBUSY where
+  // somebody came in between.
+  [[nodiscard]] int hand_over(int descriptor) const;
 
  private:
   explicit PortLock(int descriptor) : descriptor_{descriptor} {}

@@ -116,19 +116,21 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
                    error_of(result)};
   }
   std::unique_ptr<sp_port, FreePort> unopened{raw};
-  (*lock)->allow_opening();
-  const sp_return result = sp_open(raw, SP_MODE_READ_WRITE);
-  const std::error_code error = error_of(result);
-  (*lock)->forbid_opening();
-  if (result != SP_OK) return refuse(error);
+  (*lock)->let_go();
+  if (const sp_return result = sp_open(raw, SP_MODE_READ_WRITE); result != SP_OK) {
+    return refuse(error_of(result));
+  }
   OpenPort port{unopened.release()};
+  int descriptor = -1;
+  if (sp_get_port_handle(raw, &descriptor) != SP_OK) return refuse(error_of(SP_ERR_FAIL));
+  if (const int error = (*lock)->hand_over(descriptor); error != 0) {
+    return cannot_open(path, error);
+  }
   if (const sp_return refused = configure(raw, baud); refused != SP_OK) {
     const std::error_code reason = error_of(refused);
     return Failure{path + " does not run at " + std::to_string(baud) + " baud: " + reason.message(),
                    reason};
   }
-  int descriptor = -1;
-  if (sp_get_port_handle(raw, &descriptor) != SP_OK) return refuse(error_of(SP_ERR_FAIL));
   ask_for_low_latency(descriptor);
   OpenedPort opened;
   opened.stream =
