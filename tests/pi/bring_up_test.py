@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""The 19200-baud bring-up and the closed loop on an emulated Raspberry Pi; what the virtual Create
+outside saw of it is the witness.
+
+usage: bring_up_test.py bookworm|trixie COMMAND FOLDER
+  COMMAND  the native cargobay, which serves the virtual Create
+  FOLDER   for what is downloaded and built; kept for the next time
+Exit 77, and says why, where something that it needs is missing.
+"""
+
+import json
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from debian import Suite
+from emulated_pi import EmulatedPi, VirtualCreate, make_initramfs, unpack_kernel
+
+SOURCE = Path(__file__).resolve().parents[2]
+KERNEL_SUITE = "bookworm"
+COMPILER_PACKAGES = {"bookworm": "libstdc++-12-dev", "trixie": "libstdc++-14-dev"}
+PACKAGES = [
+    "busybox-static", "libc6-dev", "libgpiod-dev", "libserialport-dev", "libfmt-dev",
+    "libtomlplusplus-dev", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev",
+]  # fmt: skip
+NOT_NEEDED = {"libnsl-dev", "pkg-config", "libc-dev-bin", "rpcsvc-proto"}
+TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "dpkg-deb", "readelf", "clang++-22", "cmake", "ninja"]
+
+CHIP = "pinctrl-bcm2835"
+BRC, POWER = 17, 27
+PINS = {BRC: ("brc", True), POWER: ("power-toggle", False)}
+OPTIONS = (
+    f"--port /dev/ttyAMA0 --baud 19200 --brc-chip {CHIP} --brc-line {BRC}"
+    f" --power-chip {CHIP} --power-line {POWER}"
+)
+SPEED_MM_S = 200
+# Twice the bound of the deterministic test of a robot that carries the remainder.
+STEADY_ERROR_MM_S = 2 * 1.5
+
+failures = 0
+
+
+def check(holds: bool, what: str) -> None:
+    global failures
+    print(f"  {'ok    ' if holds else 'FAILED'} {what}", flush=True)
+    failures += not holds
+
+
+def build(suite: Suite, name: str, folder: Path) -> tuple[Path, Path]:
+    """The user space of that Debian, and the command built for it."""
+    root, target = folder / "root", folder / "build"
+    if not root.exists():
+        part = folder / "root.part"
+        shutil.rmtree(part, ignore_errors=True)
+        suite.unpack(suite.closure([*PACKAGES, COMPILER_PACKAGES[name]], NOT_NEEDED), part)
+        if not (part / "lib").exists():
+            (part / "lib").symlink_to("usr/lib")
+        part.rename(root)
+    subprocess.run(
+        ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
+         f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
+         "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DCARGOBAY_WERROR=ON"],
+        check=True, stdout=subprocess.DEVNULL,
+    )  # fmt: skip
+    subprocess.run(["cmake", "--build", target], check=True, stdout=subprocess.DEVNULL)
+    return root, target / "cargobay"
+
+
+def lows(pi: EmulatedPi, since: float) -> list[float]:
+    """The widths in ms of the low pulses of the BRC pin."""
+    edges = [(at, level) for at, pin, level in pi.edges if pin == BRC and at >= since]
+    return [
+        1000 * (after - at) for (at, level), (after, _) in zip(edges, edges[1:]) if not level
+    ]
+
+
+def brings_up_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
+    print("bring-up at 19200 baud by BRC, from Off, powered on by its toggle")
+    robot.tell("power")  # off
+    begin = time.monotonic()
+    code, text = pi.run(f"cargobay bringup {OPTIONS}", 90)
+    check(code == 0, f"cargobay bringup succeeds\n{text if code else ''}")
+    widths = lows(pi, begin)
+    check(len(widths) == 3, f"three low pulses: {len(widths)}")
+    check(all(50 <= width <= 500 for width in widths), f"of 50 to 500 ms: {widths}")
+    on = [at for at, pin, level in pi.edges if pin == POWER and level and at >= begin]
+    first = [at for at, pin, level in pi.edges if pin == BRC and not level and at >= begin]
+    waited = first[0] - on[-1] if on and first else 0.0
+    check(waited >= 2.0, f"2 s after power-on: {waited:.3f} s")
+    state = robot.state()
+    check(state["baud"] == 19200, f"the robot is at {state['baud']} baud")
+    check(state["mode"] == "passive", f"and in mode {state['mode']}")
+
+
+def drives_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
+    print("closed loop at 19200 baud for 10 s")
+    robot.tell("place 0 0 0")
+    before = robot.state()["counters"]
+    pi.start(
+        f"cargobay drive {OPTIONS} --speed {SPEED_MM_S} --duration 10 --json /tmp/drive.json < /dev/null"
+        " > /tmp/drive.txt 2>&1"
+    )
+    speeds = []
+    deadline = time.monotonic() + 60
+    while robot.state()["commanded_mm_s"]["left"] == 0 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    begin = time.monotonic()
+    while time.monotonic() < begin + 9:
+        state = robot.state()
+        if time.monotonic() > begin + 2 and state["commanded_mm_s"]["left"] != 0:
+            speeds.append((state["wheel_mm_s"]["left"], state["wheel_mm_s"]["right"]))
+        time.sleep(0.02)
+    code, _ = pi.end(60)
+    _, text = pi.run("cat /tmp/drive.txt /tmp/drive.json")
+    check(code == 0, f"cargobay drive succeeds\n{text if code else ''}")
+    if code != 0:
+        return
+    result = json.loads(text[text.index("\n{") :])
+    for side, name in enumerate(("left", "right")):
+        error = abs(sum(speed[side] for speed in speeds) / len(speeds) - SPEED_MM_S)
+        check(error <= STEADY_ERROR_MM_S, f"steady error, {name}: {error:.2f} mm/s (true - set)")
+    check(result["frames_good"] > 300, f"frames good: {result['frames_good']}")
+    check(result["frames_bad"] == 0, f"frames bad: {result['frames_bad']}")
+    state = robot.state()
+    check(state["mode"] == "passive", f"left in mode {state['mode']}")
+    check(all(speed == 0 for speed in state["commanded_mm_s"].values()), "with the wheels stopped")
+    counters = state["counters"]
+    lost = sum(
+        counters[name] - before[name] for name in ("robot_framing_errors", "bytes_overrun")
+    )
+    check(lost == 0, f"bytes the robot could not read: {lost}")
+
+
+def recovers_from_a_kill(pi: EmulatedPi, robot: VirtualCreate) -> None:
+    print("SIGKILL in the middle of the pulse train, then a second bring-up")
+    robot.tell("power")  # off
+    begin = time.monotonic()
+    pi.start(f"cargobay bringup {OPTIONS} > /tmp/killed.txt 2>&1 & echo")
+    pi.end(10)
+    while len(lows(pi, begin)) < 1 and time.monotonic() < begin + 30:
+        time.sleep(0.01)
+    pi.run("killall -KILL cargobay; sleep 1")
+    widths = lows(pi, begin)
+    check(1 <= len(widths) < 3, f"it was killed behind pulse {len(widths)}")
+    code, text = pi.run(f"cargobay bringup {OPTIONS}", 90)
+    check(code == 0, f"the second succeeds without a human\n{text if code else ''}")
+    state = robot.state()
+    check(state["baud"] == 19200, f"the robot is at {state['baud']} baud")
+    check(pi.levels[BRC], "the pin is released")
+
+
+def main() -> int:
+    if len(sys.argv) != 4 or sys.argv[1] not in COMPILER_PACKAGES:
+        print(__doc__, file=sys.stderr)
+        return 2
+    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
+    if missing:
+        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
+        return 77
+    name, command, folder = sys.argv[1], Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
+    cache, here = folder / "packages", folder / name
+    here.mkdir(parents=True, exist_ok=True)
+    suite = Suite(name, cache)
+    kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
+    root, cross = build(suite, name, here)
+    initramfs = make_initramfs(here / "initramfs", root, cross)
+    robot = VirtualCreate(command, here)
+    try:
+        pi = EmulatedPi(kernel, tree, initramfs, here, robot, PINS)
+        try:
+            begin = time.monotonic()
+            pi.booted()
+            print(f"booted {kernel.name} with the user space of {name} in {time.monotonic() - begin:.1f} s")
+            for scenario in (brings_up_at_19200, drives_at_19200, recovers_from_a_kill):
+                scenario(pi, robot)
+            print(f"rates of the PL011: {pi.rates}")
+        finally:
+            pi.close()
+    finally:
+        robot.close()
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
