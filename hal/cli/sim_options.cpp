@@ -61,6 +61,10 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str()
       ->group(group);
+  app.add_option("--wheel-base", wheels.wheel_base_mm, "Distance between its wheels, in mm")
+      ->check(CLI::Range(50.0, 1000.0))
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--noise", wheels.noise_mm_s,
                  "Standard deviation in mm/s by which a wheel's speed wanders")
       ->check(CLI::Range(0.0, 100.0))

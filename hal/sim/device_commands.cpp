@@ -188,8 +188,9 @@ void Device::drive(std::int32_t velocity_mm_s, std::int32_t radius_mm) {
   // An arc too fast for the outer wheel is driven slower, on the same arc (OI p. 9).
   const double fastest = std::max(std::abs(speeds.left_mm_s), std::abs(speeds.right_mm_s));
   if (fastest > oi::kMaxWheelSpeed) {
-    speeds.left_mm_s *= oi::kMaxWheelSpeed / fastest;
-    speeds.right_mm_s *= oi::kMaxWheelSpeed / fastest;
+    constexpr double kMost = oi::kMaxWheelSpeed;  // and not a rounding more
+    speeds.left_mm_s = std::clamp(speeds.left_mm_s * kMost / fastest, -kMost, kMost);
+    speeds.right_mm_s = std::clamp(speeds.right_mm_s * kMost / fastest, -kMost, kMost);
   }
   obey_drive(speeds);
 }

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+#include <source_location>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,8 +22,10 @@ namespace {
 using namespace cargobay;            // NOLINT(google-build-using-namespace): one program
 using namespace cargobay::hal::sim;  // NOLINT(google-build-using-namespace): its subject
 
-void require(bool condition) {
-  if (!condition) std::abort();
+void require(bool condition, std::source_location where = std::source_location::current()) {
+  if (condition) return;
+  std::fprintf(stderr, "line %u is broken\n", static_cast<unsigned>(where.line()));
+  std::abort();
 }
 
 constexpr std::array<const char*, 24> kLines{"power",

@@ -254,6 +254,41 @@ TEST(Server, SurvivesTenThousandRandomBytes) {
   EXPECT_EQ(client.ask({142, 35}, 1), (Bytes{1}));
 }
 
+// All bytes there are, at all rates, from clients that read or do not: after that no host can know
+// the robot's rate or what it waits for, so its battery is taken out.
+TEST(Server, ServesOnAfterAnyClientsWhatever) {
+  const auto server = serve();
+  ASSERT_TRUE(server);
+  Random random{2};
+  for (int i = 0; i < 60; ++i) {
+    const std::uint32_t rates = static_cast<std::uint32_t>(oi::kBaudRates.size());
+    const std::uint32_t rate = i % 5 == 4 ? 1U + static_cast<std::uint32_t>(random.below(100'000))
+                                          : oi::kBaudRates[random.below(rates)];
+    const SerialClient client{server->path(), rate};
+    ASSERT_TRUE(client.is_open());
+    Bytes noise(random.below(400));
+    for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random.next());
+    (void)!write(client.descriptor(), noise.data(), noise.size());  // what has room, as it is
+    if (i % 3 == 0) poll(nullptr, 0, 5);
+    if (i % 4 == 0 && client.has_input()) (void)client.receive(1);
+  }
+  server->with_device([](Device& device) {
+    if (device.power() == Power::off) device.press_power();
+    device.inputs() = {};
+    device.brown_out();
+  });
+  const SerialClient client{server->path()};
+  ASSERT_TRUE(eventually([&] {
+    while (client.has_input()) (void)client.receive(1);
+    bool on = false;
+    server->with_device([&on](Device& device) { on = device.power() == Power::on; });
+    return on;
+  }));
+  poll(nullptr, 0, 20);
+  while (client.has_input()) (void)client.receive(1);
+  EXPECT_EQ(client.ask({128, 142, 35}, 1), (Bytes{1}));
+}
+
 TEST(Server, OpensAndClosesAtWill) {
   const auto server = serve();
   ASSERT_TRUE(server);

@@ -1,4 +1,5 @@
 // OI p. 9: Drive and Drive Direct.
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,6 +53,22 @@ TEST(Drive, SlowsAnArcThatIsTooFastForItsOuterWheel) {
       robot.command({137, 1, 244, 0, 129});  // 500 mm/s around the left wheel
   EXPECT_DOUBLE_EQ(speeds.left_mm_s, 0.0);
   EXPECT_DOUBLE_EQ(speeds.right_mm_s, 500.0);
+}
+
+// Found by fuzzing: by a rounding.
+TEST(Drive, IsNeverFasterThanAWheelMayBe) {
+  Robot robot;
+  robot.send({128, 132});
+  for (int radius = -2000; radius <= 2000; ++radius) {
+    for (const int velocity : {-500, -499, 333, 500}) {
+      robot.send({137, static_cast<std::uint8_t>(velocity >> 8),
+                  static_cast<std::uint8_t>(velocity), static_cast<std::uint8_t>(radius >> 8),
+                  static_cast<std::uint8_t>(radius)});
+      const WheelSpeeds speeds = robot.device.commanded();
+      ASSERT_LE(std::abs(speeds.left_mm_s), 500.0) << velocity << " " << radius;
+      ASSERT_LE(std::abs(speeds.right_mm_s), 500.0) << velocity << " " << radius;
+    }
+  }
 }
 
 TEST(Drive, BringsValuesIntoTheManualsRange) {
