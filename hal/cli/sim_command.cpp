@@ -65,8 +65,9 @@ std::string numbered(const std::string& path, std::size_t index, std::size_t cou
 }
 
 std::vector<PlannedFault> planned_faults(const Options& options) {
-  std::vector<PlannedFault> faults;
-  for (const std::string& text : options.faults) faults.push_back(*parse_fault(text));  // checked
+  std::vector<PlannedFault> faults(options.faults.size());
+  std::transform(options.faults.begin(), options.faults.end(), faults.begin(),
+                 [](const std::string& text) { return *parse_fault(text); });  // checked: it parses
   std::stable_sort(faults.begin(), faults.end(),
                    [](const PlannedFault& a, const PlannedFault& b) { return a.after < b.after; });
   return faults;

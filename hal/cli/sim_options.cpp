@@ -3,73 +3,80 @@
 #include <CLI/CLI.hpp>
 
 namespace cargobay::cli {
+namespace {
+
+constexpr const char* kGroup = "Virtual Create";
+
+void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
+  app.add_option("--lag", wheels.lag_s, "Seconds in which a wheel comes within 37 % of a new speed")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--droop-left", wheels.droop_left,
+                 "Part of its set speed the left wheel falls short by")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--droop-right", wheels.droop_right, "The same for the right wheel")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--dead-band", wheels.dead_band_mm_s,
+                 "Set speeds below this, in mm/s, do not turn a wheel")
+      ->check(CLI::Range(0.0, 500.0))
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--counts-per-mm", wheels.counts_per_mm, "Resolution of the encoders")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--wheel-base", wheels.wheel_base_mm, "Distance between its wheels, in mm")
+      ->check(CLI::Range(50.0, 1000.0))
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--noise", wheels.noise_mm_s,
+                 "Standard deviation in mm/s by which a wheel's speed wanders")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str()
+      ->group(kGroup);
+}
+
+}  // namespace
 
 void add_sim_options(CLI::App& app, SimOptions& options) {
-  const std::string group = "Virtual Create";
-  hal::sim::WheelParameters& wheels = options.parameters.wheels;
   app.add_option("--remainder", options.remainder,
                  "What a reading of distance and angle does to the part below 1 mm or 1 degree")
       ->check(CLI::IsMember({"carried", "lost"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   app.add_option("--checksum", options.checksum,
                  "Whether the checksum of stream frames counts the header 19 in: real robots "
                  "include it, the manual excludes it")
       ->check(CLI::IsMember({"including", "excluding"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   app.add_flag(
          "--extensions", options.extensions,
          "Know what firmware of 2007-09-24 does: raw counts in packets 43 and 44, its date by "
          "opcode 8, a reset by opcode 7")
-      ->group(group);
+      ->group(kGroup);
   app.add_option("--power-on", options.power_on,
                  "long-ago: it waits for Start; now: it boots, deaf for 3.5 s; never: it is off "
                  "until somebody presses its button")
       ->check(CLI::IsMember({"long-ago", "now", "never"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   app.add_option("--battery", options.parameters.battery.charge_mah, "Its charge, in mAh")
       ->check(CLI::Range(1.0, options.parameters.battery.capacity_mah))
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   app.add_flag("--no-charging-text", options.no_charging_text,
                "Do not print a line of text each second while charging")
-      ->group(group);
+      ->group(kGroup);
   app.add_option("--seed", options.parameters.seed, "Of all that is random in it")
       ->capture_default_str()
-      ->group(group);
-  app.add_option("--lag", wheels.lag_s, "Seconds in which a wheel comes within 37 % of a new speed")
-      ->check(CLI::Range(0.001, 10.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--droop-left", wheels.droop_left,
-                 "Part of its set speed the left wheel falls short by")
-      ->check(CLI::Range(0.0, 0.9))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--droop-right", wheels.droop_right, "The same for the right wheel")
-      ->check(CLI::Range(0.0, 0.9))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--dead-band", wheels.dead_band_mm_s,
-                 "Set speeds below this, in mm/s, do not turn a wheel")
-      ->check(CLI::Range(0.0, 500.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--counts-per-mm", wheels.counts_per_mm, "Resolution of the encoders")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--wheel-base", wheels.wheel_base_mm, "Distance between its wheels, in mm")
-      ->check(CLI::Range(50.0, 1000.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--noise", wheels.noise_mm_s,
-                 "Standard deviation in mm/s by which a wheel's speed wanders")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
+  add_wheel_options(app, options.parameters.wheels);
 }
 
 hal::sim::Parameters parameters(const SimOptions& options) {

@@ -7,7 +7,6 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr double kFinestMm = 5.0;
 // At its fastest a robot drives 8 mm a tick, and what it runs into moves it no further than that.
 constexpr double kLeapMm = 50.0;
 
@@ -17,8 +16,7 @@ double distance_mm(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-PathRecorder::PathRecorder(std::size_t most)
-    : most_{std::max<std::size_t>(most, 4)}, spacing_mm_{kFinestMm} {
+PathRecorder::PathRecorder(std::size_t most) : most_{std::max<std::size_t>(most, 4)} {
   kept_.reserve(most_);
 }
 

@@ -29,8 +29,8 @@ class PathRecorder {
   void thin_out();
 
   std::size_t most_;
-  double spacing_mm_;
-  bool pushed_ = false;  // at the tick before
+  double spacing_mm_ = 5.0;  // between waypoints; doubled where they are thinned out
+  bool pushed_ = false;      // at the tick before
   std::vector<Waypoint> kept_{};
   Waypoint last_{};  // where it is now
 };

@@ -142,12 +142,22 @@ class Drawing {
 void draw_floor(const Extent& extent, Drawing& drawing) {
   drawing.rectangle({{extent.left(), extent.bottom()}, extent.width(), extent.height()}, "floor");
   // A world of kilometres gets no more lines than one can tell apart.
-  const double grid_mm = kGridMm * std::ceil(extent.width() / (40.0 * kGridMm));
+  const double longest_mm = std::max(extent.width(), extent.height());
+  const double grid_mm = kGridMm * std::ceil(longest_mm / (40.0 * kGridMm));
+  const auto multiples = [grid_mm](double from, double to) {
+    return std::pair{std::lround(std::ceil(from / grid_mm)), std::lround(std::floor(to / grid_mm))};
+  };
   drawing.say("<path class='grid' d='");
-  for (double x = std::ceil(extent.left() / grid_mm) * grid_mm; x < extent.right(); x += grid_mm)
-    drawing.add("M%.0f %.0f V%.0f ", x, down(extent.top()), down(extent.bottom()));
-  for (double y = std::ceil(extent.bottom() / grid_mm) * grid_mm; y < extent.top(); y += grid_mm)
-    drawing.add("M%.0f %.0f H%.0f ", extent.left(), down(y), extent.right());
+  const auto [first_x, last_x] = multiples(extent.left(), extent.right());
+  for (long i = first_x; i <= last_x; ++i) {
+    drawing.add("M%.0f %.0f V%.0f ", static_cast<double>(i) * grid_mm, down(extent.top()),
+                down(extent.bottom()));
+  }
+  const auto [first_y, last_y] = multiples(extent.bottom(), extent.top());
+  for (long i = first_y; i <= last_y; ++i) {
+    drawing.add("M%.0f %.0f H%.0f ", extent.left(), down(static_cast<double>(i) * grid_mm),
+                extent.right());
+  }
   drawing.say("'/>\n");
   drawing.add("<text x='%.0f' y='%.0f'>grid %g m</text>\n", extent.left() + 30.0,
               -extent.bottom() - 30.0, grid_mm / 1000.0);
