@@ -3,8 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "gpio/pulse_train.hpp"
+#include "hal/bring_up_failure.hpp"
+#include "hal/dialogue.hpp"
 #include "oi/baud.hpp"
 #include "oi/encode.hpp"
 #include "oi/limits.hpp"
@@ -15,111 +21,381 @@
 namespace cargobay::hal {
 namespace {
 
+using gpio::Level;
 using std::chrono::milliseconds;
 
 // What host software for this robot waits after Start, Safe and Full: from 20 to 500 ms.
 constexpr milliseconds kModeChangeWait{50};
-constexpr milliseconds kFrameTimeout{800};
+constexpr milliseconds kFrameTimeout{300};  // a stream begins within a tick
+constexpr milliseconds kModeTimeout{800};
 constexpr milliseconds kAnswerTimeout{100};
+constexpr milliseconds kBootTime{3500};  // from the toggle until the robot listens
+constexpr milliseconds kBootMargin{2500};
+constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
+constexpr milliseconds kIndicatorTimeout{1000};
+constexpr milliseconds kSendTimeout{1000};
 constexpr std::uint32_t kTooFast = 115200;  // OI p. 7
 constexpr int kGoodFrames = 3;              // in the wanted mode, before the robot is believed
-// Start is harmless as data and as a command; this many fill up any command that was cut short.
-constexpr std::size_t kResynchronisingBytes = 2 + oi::kMaxScriptBytes + 1;
+constexpr int kAnswerFrames = 2;            // at some rate, before it is believed to be there
+constexpr int kMostToggles = 2;  // the first may have switched off a robot that was on and deaf
+constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands
+// What a robot may have been left at, the likely ones first.
+constexpr std::array<std::uint32_t, 3> kSearchedRates{57600, 19200, 115200};
+// Fits all of them.
+constexpr oi::StreamList kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
+    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
 
-template <typename Command>
-void send(ByteStream& stream, const Command& command) {
-  const auto bytes = oi::encode(command);
-  if (bytes.has_value())
-    (void)stream.write(*bytes);  // an unanswered command is noticed by its silence
+std::string at_baud(std::uint32_t baud) { return "at " + std::to_string(baud) + " baud"; }
+
+std::string milliseconds_text(std::chrono::nanoseconds time) {
+  return std::to_string(std::chrono::duration_cast<milliseconds>(time).count()) + " ms";
 }
 
-// What was heard while waiting.
-struct Heard {
-  std::size_t bytes = 0;
-  std::size_t text = 0;  // printable
-  int frames = 0;
-  int frames_in_mode = 0;
-  oi::Mode mode = oi::Mode::off;
-  std::int32_t battery_mv = 0;
-  bool hung_up = false;
+class BringUp {
+ public:
+  BringUp(ByteStream& stream, const BringUpRequest& request)
+      : stream_{stream},
+        request_{request},
+        talk_{stream, request.cancelled},
+        wanted_{stream.baud()},
+        began_{stream.now()},
+        powered_at_{began_} {}
+
+  Result<BringUpReport> run();
+
+ private:
+  enum class Step : std::uint8_t {
+    check_power,
+    power_on,
+    greet,          // at the wanted rate
+    pulse,          // on the BRC pin
+    search,         // at the other rates
+    search_deeper,  // at all rates, freeing it from a half-sent command
+    listen,         // for one that boots, or prints that it is off or charging
+    change_rate,    // by the Baud command
+    take_mode,
+    done,
+    failed,
+  };
+
+  // Each step returns the next.
+  Step take(Step step);
+  Step check_power();
+  Step power_on();
+  Step greet();
+  Step pulse();
+  Step search();
+  Step search_deeper();
+  Step listen();
+  Step change_rate();
+  Step take_mode();
+
+  // How to get from the rate it was found at to the wanted one.
+  Step from(std::uint32_t baud);
+  Step give_up(BringUpTrouble trouble) {
+    trouble_ = trouble;
+    return Step::failed;
+  }
+  bool pulses_wanted() const {
+    return request_.pins.brc != nullptr && wanted_ == oi::kBrcBaud && pulse_tries_ < kMostTries;
+  }
+  bool toggle_left() const {
+    // One that is on would be switched off.
+    return request_.pins.power_toggle != nullptr && toggles_ < kMostToggles && known_on_ != true;
+  }
+  bool verify_pulsed();
+  bool widths_good(const gpio::PlayReport& report) const;
+
+  // Whether frames of a stream come that was asked for just now.
+  bool probe(std::uint32_t baud);
+  bool probe_freed(std::uint32_t baud);
+  void note_silence(std::uint32_t baud) {
+    heard_.push_back({.baud = baud, .heard = talk_.heard()});
+    talk_.forget();
+  }
+  void set_port(std::uint32_t baud);
+  const oi::StreamList& list_at(std::uint32_t baud) const {
+    return baud == wanted_ ? request_.packets : kSearchList;
+  }
+  void tell(std::string_view step, std::string detail = "") {
+    step_ = step;
+    if (request_.progress)
+      request_.progress(
+          {.time = stream_.now() - began_, .step = step_, .detail = std::move(detail)});
+  }
+  std::optional<Level> look(gpio::Input* pin) const {
+    return pin == nullptr ? std::nullopt : pin->level();
+  }
+  Failure failure();
+
+  ByteStream& stream_;
+  const BringUpRequest& request_;
+  Dialogue talk_;
+  std::uint32_t wanted_;
+  rt::TimePoint began_;
+  rt::TimePoint powered_at_;  // where unknown: at the beginning, at the latest
+  std::optional<bool> known_on_{};
+  int toggles_ = 0;
+  int pulse_tries_ = 0;
+  int rate_tries_ = 0;
+  bool searched_ = false;
+  bool listened_ = false;
+  std::string step_{};
+  BringUpTrouble trouble_ = BringUpTrouble::silent;
+  std::error_code pin_error_{};
+  FramesHeard last_{};
+  std::vector<HeardAt> heard_{};
+  BringUpReport report_{};
 };
 
-void pause(ByteStream& stream, rt::Duration duration) {
-  const rt::TimePoint until = stream.now() + duration;
-  std::array<std::uint8_t, 256> bytes{};
-  while (stream.now() < until && stream.wait(until) == ByteStream::Wait::ready) {
-    (void)stream.read(bytes);  // what comes in between belongs to nobody
+BringUp::Step BringUp::take(Step step) {
+  if (talk_.over()) return Step::failed;
+  switch (step) {
+    case Step::check_power: return check_power();
+    case Step::power_on: return power_on();
+    case Step::greet: return greet();
+    case Step::pulse: return pulse();
+    case Step::search: return search();
+    case Step::search_deeper: return search_deeper();
+    case Step::listen: return listen();
+    case Step::change_rate: return change_rate();
+    case Step::take_mode: return take_mode();
+    case Step::done:
+    case Step::failed: break;
   }
+  return step;
 }
 
-void take_frame(const oi::StreamDecoder& decoder, oi::Mode wanted, Heard& heard) {
-  oi::SensorValues values;
-  if (!oi::decode_frame(decoder.frame(), values)) return;
-  ++heard.frames;
-  if (values.has(oi::PacketId::voltage)) heard.battery_mv = values.raw(oi::PacketId::voltage);
-  if (!values.has(oi::PacketId::oi_mode)) return;
-  heard.mode = values.mode();
-  if (heard.mode == wanted) ++heard.frames_in_mode;
+// Ends: each way back to an earlier step is counted, and its count limited.
+Result<BringUpReport> BringUp::run() {
+  stream_.discard_input();
+  Step step = Step::check_power;
+  while (step != Step::done && step != Step::failed) step = take(step);
+  if (step == Step::failed || talk_.over()) return failure();
+  report_.took = stream_.now() - began_;
+  return report_;
 }
 
-void take_bytes(std::span<const std::uint8_t> bytes, oi::Mode wanted, oi::StreamDecoder& decoder,
-                Heard& heard) {
-  heard.bytes += bytes.size();
-  for (const std::uint8_t byte : bytes) {
-    if (byte >= 0x20 && byte < 0x7f) ++heard.text;
-    for (auto outcome = decoder.push(byte); outcome != oi::StreamDecoder::Outcome::nothing;
-         outcome = decoder.next()) {
-      if (outcome == oi::StreamDecoder::Outcome::frame) take_frame(decoder, wanted, heard);
+BringUp::Step BringUp::check_power() {
+  const std::optional<Level> level = look(request_.pins.power_sense);
+  if (!level) return Step::greet;
+  known_on_ = *level == Level::high;
+  tell("power", *known_on_ ? "on" : "off");
+  if (*known_on_) return Step::greet;
+  return toggle_left() ? Step::power_on : give_up(BringUpTrouble::switched_off);
+}
+
+BringUp::Step BringUp::power_on() {
+  ++toggles_;
+  tell("power on", "toggle: low, high, low");
+  const gpio::PlayReport played =
+      gpio::play(gpio::power_toggle(), *request_.pins.power_toggle, talk_, Level::low);
+  powered_at_ = stream_.now();
+  pin_error_ = played.line_error;
+  if (pin_error_) return give_up(BringUpTrouble::pin_failed);
+  if (request_.pins.power_sense != nullptr) {
+    const rt::TimePoint limit = stream_.now() + kIndicatorTimeout;
+    while (look(request_.pins.power_sense) != Level::high && stream_.now() < limit) {
+      if (!talk_.pause(milliseconds{10})) return Step::failed;
     }
+    known_on_ = look(request_.pins.power_sense) == Level::high;
+    if (!*known_on_) return toggle_left() ? Step::power_on : give_up(BringUpTrouble::stays_off);
   }
+  report_.powered_on = true;
+  searched_ = false;
+  pulse_tries_ = 0;
+  if (pulses_wanted()) return Step::pulse;
+  tell("boot", "until it listens, " + milliseconds_text(kBootTime));
+  if (!talk_.wait_until(powered_at_ + kBootTime)) return Step::failed;
+  talk_.forget();  // what it prints while it boots
+  return Step::greet;
 }
 
-Heard listen(ByteStream& stream, oi::Mode wanted) {
-  Heard heard;
-  oi::StreamDecoder decoder;
-  std::array<std::uint8_t, 256> bytes{};
-  const rt::TimePoint until = stream.now() + kFrameTimeout;
-  while (stream.now() < until && heard.frames_in_mode < kGoodFrames) {
-    const ByteStream::Wait woken = stream.wait(until);
-    if (woken == ByteStream::Wait::hung_up) {
-      heard.hung_up = true;
-      break;
+BringUp::Step BringUp::greet() {
+  // One that has just been switched on may take its time.
+  const rt::TimePoint limit = toggles_ > 0 ? powered_at_ + kBootTime + kBootMargin : stream_.now();
+  do {
+    if (probe(wanted_)) return from(wanted_);
+  } while (!talk_.over() && stream_.now() < limit);
+  // Whether pulses fall on a robot that is off, nobody would know.
+  const bool may_be_off = toggle_left();
+  return pulses_wanted() && !may_be_off ? Step::pulse : Step::search;
+}
+
+bool BringUp::widths_good(const gpio::PlayReport& report) const {
+  return report.complete() && std::ranges::all_of(report.pulses(), [](const auto& pulse) {
+           return pulse.lasted >= gpio::kBrcLeastWidth && pulse.lasted <= gpio::kBrcMostWidth;
+         });
+}
+
+BringUp::Step BringUp::pulse() {
+  ++pulse_tries_;
+  set_port(wanted_);
+  const rt::TimePoint ready = powered_at_ + gpio::kBrcWaitAfterPowerOn;
+  if (stream_.now() < ready) {
+    tell("BRC wait", "until 2 s after power-on");
+    if (!talk_.wait_until(ready)) return Step::failed;
+  }
+  tell("BRC pulses", "three of " + milliseconds_text(gpio::kBrcWidth));
+  const auto train = gpio::brc_pulses();
+  if (!train) return give_up(BringUpTrouble::pin_failed);
+  report_.brc = gpio::play(*train, *request_.pins.brc, talk_, Level::high);
+  pin_error_ = report_.brc.line_error;
+  if (pin_error_) return give_up(BringUpTrouble::pin_failed);
+  talk_.forget();
+  if (widths_good(report_.brc) && verify_pulsed()) {
+    report_.rate_change = RateChange::brc;
+    return from(wanted_);
+  }
+  if (talk_.over()) return Step::failed;
+  if (pulses_wanted()) return Step::pulse;
+  return searched_ && report_.found_baud != 0 ? from(report_.found_baud) : Step::search;
+}
+
+// Booting, it is deaf for a while after the pulses.
+bool BringUp::verify_pulsed() {
+  const rt::TimePoint limit = std::max<rt::TimePoint>(
+      powered_at_ + (toggles_ > 0 ? kBootTime + kBootMargin : milliseconds{0}),
+      stream_.now() + 2 * kFrameTimeout);
+  while (!talk_.over() && stream_.now() < limit) {
+    if (probe(wanted_)) return true;
+  }
+  return !talk_.over() && probe_freed(wanted_);
+}
+
+BringUp::Step BringUp::from(std::uint32_t baud) {
+  if (report_.found_baud == 0) report_.found_baud = baud;
+  if (baud == wanted_) return Step::take_mode;
+  if (pulses_wanted()) return Step::pulse;
+  report_.found_baud = baud;
+  return Step::change_rate;
+}
+
+BringUp::Step BringUp::search() {
+  searched_ = true;
+  for (const std::uint32_t baud : kSearchedRates) {
+    if (baud != wanted_ && probe(baud)) return from(baud);
+    if (talk_.over()) return Step::failed;
+  }
+  return Step::search_deeper;
+}
+
+BringUp::Step BringUp::search_deeper() {
+  std::vector<std::uint32_t> rates{wanted_};
+  for (const std::uint32_t baud : kSearchedRates) {
+    if (baud != wanted_) rates.push_back(baud);
+  }
+  for (const std::uint32_t baud : rates) {
+    if (probe_freed(baud)) return from(baud);
+    if (talk_.over()) return Step::failed;
+  }
+  set_port(wanted_);
+  if (!listened_) return Step::listen;
+  if (toggle_left()) return Step::power_on;
+  return give_up(BringUpTrouble::silent);
+}
+
+BringUp::Step BringUp::listen() {
+  listened_ = true;
+  for (const std::uint32_t baud : {oi::kDefaultBaud, oi::kBrcBaud}) {
+    set_port(baud);
+    stream_.discard_input();
+    tell("listen", at_baud(baud));
+    if (!talk_.pause(kListenTime)) return Step::failed;
+    note_silence(baud);
+  }
+  return Step::greet;
+}
+
+BringUp::Step BringUp::change_rate() {
+  ++rate_tries_;
+  const std::uint32_t former = report_.found_baud;
+  set_port(former);
+  tell("Baud", std::to_string(former) + " to " + std::to_string(wanted_));
+  talk_.send(oi::Start{});
+  talk_.pause(kModeChangeWait);
+  talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
+  talk_.send(oi::Baud{oi::baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
+  (void)stream_.drain(kSendTimeout);  // what did not leave is not obeyed: the probe will tell
+  set_port(wanted_);
+  if (!talk_.pause(oi::kBaudChangeWait + kModeChangeWait)) return Step::failed;
+  if (probe(wanted_) || probe_freed(wanted_)) {
+    report_.rate_change = RateChange::command;
+    return Step::take_mode;
+  }
+  if (talk_.over()) return Step::failed;
+  return rate_tries_ < kMostTries ? Step::change_rate : give_up(BringUpTrouble::keeps_its_rate);
+}
+
+BringUp::Step BringUp::take_mode() {
+  for (int i = 0; i < kMostTries && !talk_.over(); ++i) {
+    if (request_.mode == oi::Mode::safe) {
+      tell("Safe");
+      talk_.send(oi::Safe{});
+    } else if (request_.mode == oi::Mode::full) {
+      tell("Full");
+      talk_.send(oi::Full{});
+    } else {
+      tell("Passive");
     }
-    const ByteStream::Transfer transfer = stream.read(bytes);
-    take_bytes(std::span{bytes}.first(transfer.count), wanted, decoder, heard);
+    last_ = talk_.listen(request_.packets, request_.mode, kGoodFrames, kModeTimeout);
+    if (last_.in_mode < kGoodFrames) continue;
+    report_.mode = last_.mode;
+    if (last_.battery_mv != 0) report_.battery_mv = last_.battery_mv;
+    return Step::done;
   }
-  return heard;
+  return give_up(last_.frames > 0 ? BringUpTrouble::wrong_mode : BringUpTrouble::stream_ended);
 }
 
-Heard attempt(ByteStream& stream, const BringUpRequest& request) {
-  const auto tell = [&request](std::string_view step) {
-    if (request.progress) request.progress(step);
-  };
-  tell("Start");
-  stream.discard_input();
-  send(stream, oi::Start{});
-  pause(stream, kModeChangeWait);
-  tell(request.mode == oi::Mode::full ? "Full" : "Safe");
-  if (request.mode == oi::Mode::full) {
-    send(stream, oi::Full{});
-  } else {
-    send(stream, oi::Safe{});
+bool BringUp::probe(std::uint32_t baud) {
+  set_port(baud);
+  stream_.discard_input();
+  tell("Start", at_baud(baud));
+  talk_.send(oi::Start{});
+  talk_.pause(kModeChangeWait);
+  tell("Stream", at_baud(baud));
+  talk_.send(oi::Stream{list_at(baud)});
+  last_ = talk_.listen(list_at(baud), oi::Mode::passive, kAnswerFrames, kFrameTimeout);
+  if (last_.battery_mv != 0) report_.battery_mv = last_.battery_mv;
+  if (last_.in_mode >= kAnswerFrames) return true;
+  note_silence(baud);
+  return false;
+}
+
+bool BringUp::probe_freed(std::uint32_t baud) {
+  set_port(baud);
+  tell("resynchronise", at_baud(baud));
+  talk_.resynchronise();
+  if (talk_.over() || !probe(baud)) return false;
+  report_.resynchronised = true;
+  return true;
+}
+
+void BringUp::set_port(std::uint32_t baud) {
+  if (stream_.baud() == baud) return;
+  (void)stream_.set_baud(baud);  // a port that cannot is silent at that rate
+}
+
+Failure BringUp::failure() {
+  if (talk_.hung_up()) trouble_ = BringUpTrouble::hung_up;
+  if (talk_.cancelled()) trouble_ = BringUpTrouble::cancelled;
+  BringUpFailure why{.trouble = trouble_,
+                     .step = step_,
+                     .wanted_baud = wanted_,
+                     .found_baud = report_.found_baud,
+                     .heard = heard_,
+                     .wanted_mode = request_.mode,
+                     .mode = last_.mode,
+                     .charging = look(request_.pins.charging) == Level::high,
+                     .pulses_played = report_.brc.count > 0,
+                     .toggled = toggles_ > 0,
+                     .pin_error = pin_error_};
+  if (!talk_.hung_up()) {
+    if (trouble_ == BringUpTrouble::keeps_its_rate) set_port(report_.found_baud);
+    (void)leave(stream_);  // the failure at hand is the one to report
+    set_port(wanted_);
   }
-  pause(stream, kModeChangeWait);
-  tell("Stream");
-  send(stream, oi::Stream{request.packets});
-  return listen(stream, request.mode);
-}
-
-void resynchronise(ByteStream& stream) {
-  const std::array<std::uint8_t, 1> start{oi::Start::kOpcode};
-  for (std::size_t i = 0; i < kResynchronisingBytes; ++i) (void)stream.write(start);
-  pause(stream, oi::wire_time(kResynchronisingBytes, stream.baud()) + kModeChangeWait);
-}
-
-std::string other_rates(std::uint32_t baud) {
-  return baud == oi::kDefaultBaud ? "--baud 19200, or switch it off and on: it starts at 57600"
-                                  : "--baud 57600";
+  return explain(why);
 }
 
 Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
@@ -134,29 +410,25 @@ Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
           std::to_string(oi::bytes_per_tick(baud)) + " bytes in that time; " + remedy};
 }
 
-Failure explain(const Heard& heard, const BringUpRequest& request, std::uint32_t baud) {
-  const std::string rate = std::to_string(baud) + " baud";
-  if (heard.hung_up)
-    return {
-        "the port hung up during bring-up; check the cable and that the robot's end is running"};
-  if (heard.bytes == 0) {
-    return {"the robot is silent at " + rate +
-            "; is it switched on, and are TX and RX the right way round? "
-            "It may also run at another rate: try " +
-            other_rates(baud)};
+template <typename Command>
+void send(ByteStream& stream, const Command& command) {
+  // A robot that does not get it does not confirm either.
+  if (const auto bytes = oi::encode(command)) (void)stream.write(*bytes);
+}
+
+void pause(ByteStream& stream, rt::Duration duration) {
+  const rt::TimePoint until = stream.now() + duration;
+  std::array<std::uint8_t, 256> bytes{};
+  while (stream.now() < until && stream.wait(until) == ByteStream::Wait::ready) {
+    (void)stream.read(bytes);  // what comes in between belongs to nobody
   }
-  if (heard.frames == 0 && heard.text * 4 > heard.bytes * 3) {
-    return {"the robot sends text instead of frames at " + rate +
-            ": it is charging or switched off; unplug the charger and press its power button"};
-  }
-  if (heard.frames == 0) {
-    return {"heard " + std::to_string(heard.bytes) + " bytes at " + rate +
-            " but no whole frame; the robot probably runs at another rate: try " +
-            other_rates(baud)};
-  }
-  return {"the robot streams, but stays in " + std::string{oi::name(heard.mode)} +
-          " mode instead of " + std::string{oi::name(request.mode)} +
-          "; set it on its wheels, away from edges, and unplug the charger"};
+}
+
+// Whether the frame that was just decoded says that the robot is Passive.
+bool passive_frame(const oi::StreamDecoder& decoder) {
+  oi::SensorValues values;
+  return oi::decode_frame(decoder.frame(), values) && values.has(oi::PacketId::oi_mode) &&
+         values.mode() == oi::Mode::passive;
 }
 
 // Whether the robot says that it is Passive: by the answer to a query, one byte, or by a frame of a
@@ -164,15 +436,19 @@ Failure explain(const Heard& heard, const BringUpRequest& request, std::uint32_t
 bool says_passive(ByteStream& stream) {
   constexpr auto kPassive = static_cast<std::uint8_t>(oi::Mode::passive);
   oi::StreamDecoder decoder;
-  Heard heard;
+  bool first = true;
   std::array<std::uint8_t, 256> bytes{};
   const rt::TimePoint until = stream.now() + kAnswerTimeout;
   while (stream.wait(until) == ByteStream::Wait::ready) {
     const ByteStream::Transfer transfer = stream.read(bytes);
     if (transfer.error != 0) return false;
-    if (heard.bytes == 0 && transfer.count == 1 && bytes[0] == kPassive) return true;
-    take_bytes(std::span{bytes}.first(transfer.count), oi::Mode::passive, decoder, heard);
-    if (heard.frames_in_mode > 0) return true;
+    if (std::exchange(first, false) && transfer.count == 1 && bytes[0] == kPassive) return true;
+    for (const std::uint8_t byte : std::span{bytes}.first(transfer.count)) {
+      for (auto outcome = decoder.push(byte); outcome != oi::StreamDecoder::Outcome::nothing;
+           outcome = decoder.next()) {
+        if (outcome == oi::StreamDecoder::Outcome::frame && passive_frame(decoder)) return true;
+      }
+    }
   }
   return false;
 }
@@ -188,20 +464,7 @@ Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request
   if (!oi::fits(request.packets, stream.baud())) {
     return too_long(request.packets, stream.baud());
   }
-  BringUpReport report;
-  Heard heard = attempt(stream, request);
-  if (heard.frames_in_mode < kGoodFrames && heard.frames == 0 && !heard.hung_up) {
-    report.attempts = 2;
-    if (request.progress) request.progress("resynchronise");
-    resynchronise(stream);
-    heard = attempt(stream, request);
-  }
-  if (heard.frames_in_mode < kGoodFrames) {
-    if (!heard.hung_up) (void)leave(stream);  // the failure at hand is the one to report
-    return explain(heard, request, stream.baud());
-  }
-  report.battery_mv = heard.battery_mv;
-  return report;
+  return BringUp{stream, request}.run();
 }
 
 bool leave(ByteStream& stream) {
@@ -216,6 +479,15 @@ bool leave(ByteStream& stream) {
     if (says_passive(stream)) return true;
   }
   return false;
+}
+
+std::string_view name(RateChange change) {
+  switch (change) {
+    case RateChange::none: return "none";
+    case RateChange::brc: return "brc";
+    case RateChange::command: return "baud command";
+  }
+  return "";
 }
 
 }  // namespace cargobay::hal

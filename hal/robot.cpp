@@ -35,9 +35,11 @@ Robot::~Robot() { (void)stop(); }
 
 Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
                                            const RobotOptions& options) {
-  const auto report = bring_up(
-      *stream,
-      {.mode = options.cycle.drive_mode, .packets = kReadingList, .progress = options.progress});
+  const auto report = bring_up(*stream, {.mode = options.cycle.drive_mode,
+                                         .packets = kReadingList,
+                                         .pins = options.pins,
+                                         .progress = options.progress,
+                                         .cancelled = options.cancelled});
   if (!report) return report.failure();
   std::unique_ptr<Robot> robot{new Robot{std::move(stream), options, *report}};
   if (const std::error_code error = robot->stream_->set_wake_threshold(kFrameBytes); error) {

@@ -17,14 +17,17 @@ struct RobotOptions {
   ControlCycle::Parameters cycle{};
   rt::RealtimeRequest realtime{};
   bool require_realtime = false;  // what the kernel refuses is a failure, not a remark
-  std::function<void(std::string_view step)> progress{};  // of the bring-up
+  // For the bring-up, as in BringUpRequest; the pins are not touched after open().
+  RobotPins pins{};
+  std::function<void(const BringUpEvent&)> progress{};
+  std::function<bool()> cancelled{};
 };
 
 // All functions from one thread, except where the ControlCycle says otherwise.
 class Robot {
  public:
-  // Brings the robot up; blocks for up to 4 s. After a failure it was told to stop and go Passive,
-  // and the stream is closed.
+  // Brings the robot up at the stream's rate; blocks as bring_up() does. After a failure it was
+  // told to stop and go Passive, and the stream is closed.
   static Result<std::unique_ptr<Robot>> open(std::unique_ptr<ByteStream> stream,
                                              const RobotOptions& options);
   // Stops, if stop() was not called.

@@ -222,13 +222,16 @@ int drive(const Options& options) {
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", port);
 
-  auto opened = hal::Robot::open(std::move(*stream), robot_options(options));
+  hal::RobotOptions wanted = robot_options(options);
+  std::optional<int> early_signal;
+  wanted.cancelled = [&] {
+    if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
+    return early_signal.has_value();
+  };
+  auto opened = hal::Robot::open(std::move(*stream), wanted);
+  if (early_signal) return kSignalled + *early_signal;  // it stands, or was told to
   if (!opened) return fail(opened.failure());
   hal::Robot& robot = **opened;
-  if (const auto signal = signals.wait(rt::Duration::zero())) {  // that came meanwhile
-    (void)robot.stop();                                          // it stands already
-    return kSignalled + *signal;
-  }
   Driver driver{&*profile, options.duration_s, &robot.cycle()};
   const auto grant = robot.start({.function = &Driver::control, .context = &driver});
   if (!grant) return fail(grant.failure());

@@ -6,7 +6,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -64,11 +63,11 @@ class RobotTest : public testing::Test {
 
 TEST_F(RobotTest, DrivesAndIsLeftStanding) {
   std::vector<std::string> steps;
-  auto robot = Robot::open(make_link(),
-                           {.realtime = kNoRights,
-                            .progress = [&](std::string_view step) { steps.emplace_back(step); }});
+  auto robot = Robot::open(
+      make_link(), {.realtime = kNoRights,
+                    .progress = [&](const BringUpEvent& event) { steps.push_back(event.step); }});
   ASSERT_TRUE(robot) << robot.failure().message;
-  EXPECT_EQ(steps, (std::vector<std::string>{"Start", "Safe", "Stream"}));
+  EXPECT_EQ(steps, (std::vector<std::string>{"Start", "Stream", "Safe"}));
   Driver driver{.robot = robot->get()};
   const auto grant = (*robot)->start({.function = &Driver::control, .context = &driver});
   ASSERT_TRUE(grant) << grant.failure().message;

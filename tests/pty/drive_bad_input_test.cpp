@@ -158,24 +158,6 @@ TEST_F(DriveTest, FailsOnARobotThatIsOff) {
   EXPECT_TRUE(stands_still());
 }
 
-TEST_F(DriveTest, FailsOnARobotAtAnotherRate) {
-  serve({.boot_baud = 19200});
-  Command command{drive()};
-  EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("--baud 19200"));
-  EXPECT_THAT(command.err(), Not(HasSubstr("--baud 115200"))) << "which would be refused";
-  EXPECT_TRUE(drives().empty());
-  EXPECT_TRUE(stands_still());
-}
-
-TEST_F(DriveTest, FailsOnARobotAtTheUsualRate) {
-  Command command{drive({"--baud", "19200"})};
-  EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("--baud 57600"));
-  EXPECT_TRUE(drives().empty());
-  EXPECT_TRUE(stands_still());
-}
-
 TEST_F(DriveTest, FailsOnARobotInTheAir) {
   server_->with_device([](Device& device) { device.inputs().wheel_drop_left = true; });
   Command command{drive()};
