@@ -66,6 +66,7 @@ tests() {
   passed=$((passed + total - bad - idle)) failed=$((failed + bad)) skipped=$((skipped + idle))
   report "$name" "$status" $((SECONDS - begin)) \
     "$((total - bad - idle)) passed, $bad failed, $idle skipped" 80
+  ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$name.log" | sort -u | sed 's/^/    /'
 }
 
 # build PRESET [TARGET...]
