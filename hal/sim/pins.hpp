@@ -61,9 +61,9 @@ class Pins {
    public:
     explicit Charging(DeviceAccess access) : access_{std::move(access)} {}
     std::optional<gpio::Level> level() override {
-      bool charging = false;
-      access_([&charging](Device& device) { charging = device.battery().charging(); });
-      return charging ? gpio::Level::high : gpio::Level::low;
+      bool on = false;
+      access_([&on](Device& device) { on = device.battery().charging(); });
+      return on ? gpio::Level::high : gpio::Level::low;
     }
 
    private:

@@ -49,21 +49,21 @@ class RecordingPin final : public Output {
 
 class PulsePlayer : public testing::Test {
  protected:
-  PlayReport play_brc() { return play(*brc_pulses(), pin, clock, Level::high); }
+  PlayReport play_brc() { return play(*brc_pulses(), pin_, clock_, Level::high); }
   std::vector<milliseconds> lasted(const PlayReport& report) const {
     std::vector<milliseconds> widths;
     for (const PlayedPulse& pulse : report.pulses())
       widths.push_back(std::chrono::duration_cast<milliseconds>(pulse.lasted));
     return widths;
   }
-  VirtualClock clock;
-  RecordingPin pin{clock};
+  VirtualClock clock_;
+  RecordingPin pin_{clock_};
 };
 
 TEST_F(PulsePlayer, SetsEachEdgeAtItsTimeAndReleases) {
   const PlayReport report = play_brc();
   EXPECT_TRUE(report.complete());
-  EXPECT_THAT(pin.levels,
+  EXPECT_THAT(pin_.levels,
               ElementsAre(Pair(1000, Level::low), Pair(1250, Level::high), Pair(1500, Level::low),
                           Pair(1750, Level::high), Pair(2000, Level::low), Pair(2250, Level::high),
                           Pair(2500, Level::high)));
@@ -72,17 +72,17 @@ TEST_F(PulsePlayer, SetsEachEdgeAtItsTimeAndReleases) {
 }
 
 TEST_F(PulsePlayer, TellsTheWidthsItAchieved) {
-  clock.late_at = 2;
-  clock.late_by = milliseconds{40};
+  clock_.late_at = 2;
+  clock_.late_by = milliseconds{40};
   const PlayReport report = play_brc();
   EXPECT_EQ(lasted(report)[2], milliseconds{290});
   EXPECT_EQ(lasted(report)[3], milliseconds{210}) << "the next edge keeps its deadline";
-  EXPECT_EQ(pin.levels[4], std::pair(std::int64_t{2000}, Level::low)) << "nothing adds up";
+  EXPECT_EQ(pin_.levels[4], std::pair(std::int64_t{2000}, Level::low)) << "nothing adds up";
 }
 
 TEST_F(PulsePlayer, DoesNotMakeAPulseShortForAVeryLateEdge) {
-  clock.late_at = 1;
-  clock.late_by = milliseconds{240};
+  clock_.late_at = 1;
+  clock_.late_by = milliseconds{240};
   const PlayReport report = play_brc();
   EXPECT_TRUE(report.complete());
   EXPECT_EQ(lasted(report)[1], milliseconds{490});
@@ -90,17 +90,17 @@ TEST_F(PulsePlayer, DoesNotMakeAPulseShortForAVeryLateEdge) {
 }
 
 TEST_F(PulsePlayer, ReleasesThePinWhereItIsEnded) {
-  clock.ends_at = 2;  // in the second low pulse
+  clock_.ends_at = 2;  // in the second low pulse
   const PlayReport report = play_brc();
   EXPECT_TRUE(report.interrupted);
   EXPECT_FALSE(report.complete());
   EXPECT_EQ(report.count, 2U);
-  EXPECT_EQ(pin.levels.back().second, Level::high);
-  EXPECT_EQ(pin.levels.size(), 4U);
+  EXPECT_EQ(pin_.levels.back().second, Level::high);
+  EXPECT_EQ(pin_.levels.size(), 4U);
 }
 
 TEST_F(PulsePlayer, TellsThatThePinFailed) {
-  pin.fails_at = 3;
+  pin_.fails_at = 3;
   const PlayReport report = play_brc();
   EXPECT_EQ(report.line_error, std::errc::no_such_device);
   EXPECT_FALSE(report.complete());
@@ -108,8 +108,8 @@ TEST_F(PulsePlayer, TellsThatThePinFailed) {
 }
 
 TEST_F(PulsePlayer, LeavesThePowerToggleLow) {
-  EXPECT_TRUE(play(power_toggle(), pin, clock, Level::low).complete());
-  EXPECT_EQ(pin.levels.back().second, Level::low);
+  EXPECT_TRUE(play(power_toggle(), pin_, clock_, Level::low).complete());
+  EXPECT_EQ(pin_.levels.back().second, Level::low);
 }
 
 TEST(MonotonicClock, WaitsUntilThenAndNotLess) {

@@ -39,7 +39,7 @@ std::vector<Found> states() {
   using sim::Device;
   using sim::VirtualLink;
   const auto rate = [](std::uint32_t baud) { return sim::Parameters{.boot_baud = baud}; };
-  const auto in_mode = [](std::vector<std::uint8_t> bytes) {
+  const auto in_mode = [](const std::vector<std::uint8_t>& bytes) {
     return [bytes](Device&, VirtualLink& link) { say(link, bytes); };
   };
   const auto charging = [](Device& device, VirtualLink& link) {

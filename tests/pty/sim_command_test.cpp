@@ -143,8 +143,8 @@ TEST_P(SimSignalTest, WritesTheTraceOfAWholeDriveInAWorld) {
   const TemporaryFolder folder;
   const std::string socket = folder.path("control");
   const std::string trace = folder.path("way.svg");
-  Command command{{"sim", "--world", CARGOBAY_SOURCE_DIR "/examples/worlds/table.world", "--trace",
-                   trace, "--control", socket}};
+  const std::string world = CARGOBAY_SOURCE_DIR "/examples/worlds/table.world";
+  Command command{{"sim", "--world", world, "--trace", trace, "--control", socket}};
   const std::string path = announced_path(command);
   ASSERT_FALSE(path.empty()) << command.err();
   const SerialClient client{path};

@@ -36,6 +36,8 @@ struct ModemLines {
 
 }  // namespace
 
+// The linker's names for them (ld --wrap).
+// NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
 extern "C" {
 int __real_ioctl(int descriptor, unsigned long request, void* argument);
 
@@ -64,11 +66,11 @@ int __wrap_ioctl(int descriptor, unsigned long request, ...) {
   return __real_ioctl(descriptor, request, argument);
 }
 }
+// NOLINTEND(bugprone-reserved-identifier, readability-identifier-naming)
 
 namespace cargobay::hal {
 namespace {
 
-using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 using testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
