@@ -14,13 +14,18 @@ class DamagedStream final : public ByteStream {
  public:
   explicit DamagedStream(ByteStream& stream) : stream_{&stream} {}
 
+  // Called before each wait.
+  std::function<void()> before_wait{};
   // Called with what each read returned; may change it, and returns how many bytes are left.
   std::function<std::size_t(std::span<std::uint8_t>)> damage{};
 
   // In virtual time the robot runs on the thread that waits for it, and so do the test's own
   // functions: they may allocate.
   Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
-    return rt::unchecked([this, deadline] { return stream_->wait(deadline); });
+    return rt::unchecked([this, deadline] {
+      if (before_wait) before_wait();
+      return stream_->wait(deadline);
+    });
   }
   Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
     Transfer transfer = stream_->read(bytes);

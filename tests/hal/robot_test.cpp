@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <semaphore>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
 #include "rt/unchecked.hpp"
+#include "tests/hal/damaged_stream.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -112,18 +114,56 @@ TEST_F(RobotTest, IsStoppedFromOutside) {
   expect_standing_in_passive();
 }
 
+// Lets another thread run from one wait to the next, and no further.
+class Turns {
+ public:
+  void take() {
+    if (!taking_) return;
+    over_.release();
+    given_.acquire();
+  }
+  void begin() { taking_ = true; }
+  void wait_for_the_first() { over_.acquire(); }
+  void give_one() {
+    given_.release();
+    over_.acquire();
+  }
+  void end() {
+    taking_ = false;
+    given_.release();
+  }
+
+ private:
+  std::atomic<bool> taking_{false};
+  std::counting_semaphore<> given_{0};
+  std::counting_semaphore<> over_{0};
+};
+
 TEST_F(RobotTest, FollowsSetpointsFromAnotherThread) {
-  auto robot = Robot::open(make_link(), {.realtime = kNoRights});
+  constexpr int kPatience = 1000;
+  sim::VirtualLink link{device_};
+  Turns turns;
+  auto line = std::make_unique<test::DamagedStream>(link);
+  line->before_wait = [&turns] { turns.take(); };
+  auto robot = Robot::open(std::move(line), {.realtime = kNoRights});
   ASSERT_TRUE(robot);
+  turns.begin();
   ASSERT_TRUE((*robot)->start({}));
+  turns.wait_for_the_first();
   ControlCycle& cycle = (*robot)->cycle();
   const auto estimate = [&] {
     const auto state = cycle.state();
     return state.has_value() ? state->estimate.left_mm_s : 0.0;
   };
-  while (estimate() < 100.0) ASSERT_TRUE(cycle.set_speeds({150.0, 150.0}));
+  for (int i = 0; i < kPatience && estimate() < 100.0; ++i) {
+    EXPECT_TRUE(cycle.set_speeds({150.0, 150.0}));
+    turns.give_one();
+  }
+  EXPECT_GE(estimate(), 100.0);
   // Nobody renews it now.
-  while (!cycle.state()->setpoint_lapsed) std::this_thread::yield();
+  for (int i = 0; i < kPatience && !cycle.state()->setpoint_lapsed; ++i) turns.give_one();
+  EXPECT_TRUE(cycle.state()->setpoint_lapsed);
+  turns.end();
   EXPECT_TRUE((*robot)->stop().confirmed_passive);
   expect_standing_in_passive();
 }

@@ -70,6 +70,8 @@ struct Example {
   std::string_view text;
   Bytes bytes;
   std::string_view canonical{};  // empty: the text itself
+
+  friend void PrintTo(const Example& example, std::ostream* out) { *out << example.text; }
 };
 
 class Examples : public testing::TestWithParam<Example> {};

@@ -51,9 +51,15 @@ bool is_harmless(std::string_view symbol) {
 // The tests are compiled with exceptions, so `noexcept` has its price, and behind a header of
 // gtest that includes <iostream>.
 bool is_of_the_tests(std::string_view symbol) {
-  static constexpr std::array<std::string_view, 8> kNames{
-      "_ZNSt8ios_base4InitC1Ev", "_ZNSt8ios_base4InitD1Ev", "__cxa_atexit",      "__dso_handle",
-      "__gxx_personality_v0",    "_ZSt9terminatev",         "__cxa_begin_catch", "_Unwind_Resume"};
+  static constexpr std::array<std::string_view, 9> kNames{"_ZSt21ios_base_library_initv",
+                                                          "_ZNSt8ios_base4InitC1Ev",
+                                                          "_ZNSt8ios_base4InitD1Ev",
+                                                          "__cxa_atexit",
+                                                          "__dso_handle",
+                                                          "__gxx_personality_v0",
+                                                          "_ZSt9terminatev",
+                                                          "__cxa_begin_catch",
+                                                          "_Unwind_Resume"};
   return std::ranges::find(kNames, symbol) != kNames.end();
 }
 

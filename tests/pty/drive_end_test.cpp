@@ -127,6 +127,8 @@ TEST_F(DriveTest, FailsWhenTheRobotIsSwitchedOff) {
 struct Hazard {
   const char* name;
   void (*happen)(Device& device);
+
+  friend void PrintTo(const Hazard& hazard, std::ostream* out) { *out << hazard.name; }
 };
 
 constexpr Hazard kCliff{"Cliff", [](Device& device) { device.inputs().cliff_left.cliff = true; }};
