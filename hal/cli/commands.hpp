@@ -13,6 +13,9 @@ namespace cargobay::cli {
 using Action = std::function<int()>;
 
 void add_drive(CLI::App& app, Action& chosen);
+void add_bringup(CLI::App& app, Action& chosen);
+void add_ports(CLI::App& app, Action& chosen);
+void add_pins(CLI::App& app, Action& chosen);
 void add_budget(CLI::App& app, Action& chosen);
 void add_sensors(CLI::App& app, Action& chosen);
 void add_encode(CLI::App& app, Action& chosen);

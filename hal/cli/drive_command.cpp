@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/connection.hpp"
 #include "hal/cli/drive_log.hpp"
 #include "hal/cli/drive_report.hpp"
 #include "hal/cli/exit_codes.hpp"
@@ -21,7 +22,9 @@
 #include "hal/cli/signals.hpp"
 #include "hal/cli/sim_options.hpp"
 #include "hal/cli/velocity_plot.hpp"
+#include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
+#include "hal/open_pins.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
 #include "oi/baud.hpp"
@@ -31,17 +34,19 @@ namespace cargobay::cli {
 namespace {
 
 constexpr double kRefresh = 0.1;  // seconds between two status lines
+constexpr int kPriority = 80;
 
 struct Options {
-  std::string port;
-  std::uint32_t baud = oi::kDefaultBaud;
+  PortOptions connection{};
+  PinOptions pins{};
+  bool builtin = false;
   std::string profile = "straight";
   double speed_mm_s = 200.0;
   double duration_s = 10.0;
   bool open_loop = false;
   bool full = false;
   bool require_rt = false;
-  int priority = 80;
+  std::optional<int> priority{};
   std::optional<int> cpu{};
   std::string json_file;
   std::string plot_file;
@@ -58,11 +63,6 @@ std::optional<hal::Failure> check(const Options& options) {
   if (!sensible) {
     return hal::Failure{
         fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
-  }
-  if (!oi::baud_code(options.baud).has_value()) {
-    return hal::Failure{fmt::format(
-        "the robot has no {} baud; choose 57600, 19200 or another rate of the Baud command",
-        options.baud)};
   }
   for (const std::string& file : {options.json_file, options.plot_file}) {
     if (file.empty()) continue;
@@ -130,13 +130,19 @@ std::optional<int> follow(hal::Robot& robot, Recorder& recorder, StopSignals& si
   return signal;
 }
 
-hal::RobotOptions robot_options(const Options& options) {
+int priority(const Options& options, const hal::Config& config) {
+  return options.priority.value_or(config.priority.value_or(kPriority));
+}
+
+hal::RobotOptions robot_options(const Options& options, const hal::Config& config) {
   hal::RobotOptions robot;
+  hal::apply(config, robot.cycle);
   robot.cycle.loop.feedback =
       options.open_loop ? rt::WheelLoop::Feedback::open : rt::WheelLoop::Feedback::closed;
   robot.cycle.drive_mode = options.full ? oi::Mode::full : oi::Mode::safe;
-  robot.realtime = {.priority = options.priority, .cpu = options.cpu};
-  robot.require_realtime = options.require_rt;
+  robot.realtime = {.priority = priority(options, config),
+                    .cpu = options.cpu ? options.cpu : config.cpu};
+  robot.require_realtime = options.require_rt || config.require_realtime;
   return robot;
 }
 
@@ -187,18 +193,6 @@ int conclude(const DriveReport& report, const Options& options,
   return signal.has_value() ? kSignalled + *signal : kSuccess;
 }
 
-hal::Result<std::unique_ptr<hal::sim::Server>> start_virtual_create(const Options& options) {
-  hal::sim::Parameters robot = parameters(options.sim);
-  robot.boot_baud = options.baud;
-  // Above ordinary work, below the loop: a wire does not wait for the CPU.
-  auto server = hal::sim::Server::open(robot, {.priority = options.priority - 10});
-  if (!server) return server;
-  if (const std::error_code error = (*server)->start(); error) {
-    return hal::Failure{"cannot start the virtual Create: " + error.message(), error};
-  }
-  return server;
-}
-
 int drive(const Options& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
@@ -209,20 +203,34 @@ int drive(const Options& options) {
   const auto profile = Profile::load(options.profile, options.speed_mm_s);
   if (!profile) return fail(profile.failure());
 
-  std::unique_ptr<hal::sim::Server> server;  // outlives the robot
-  std::string port = options.port;
-  if (port.empty()) {
-    auto started = start_virtual_create(options);
+  const auto config = configuration(options.connection, options.pins);
+  if (!config) return fail(config.failure());
+  hal::RobotOptions wanted = robot_options(options, *config);
+  std::unique_ptr<VirtualCreate> create;  // these outlive the robot
+  hal::OpenPins lines;
+  hal::sim::Server* server = nullptr;
+  std::string port = config->port;
+  if (options.builtin || port.empty()) {
+    if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
+    // Above ordinary work, below the loop: a wire does not wait for the CPU.
+    auto started =
+        VirtualCreate::start(parameters(options.sim), *config->baud, wanted.realtime.priority - 10);
     if (!started) return fail(started.failure());
-    server = std::move(*started);
+    create = std::move(*started);
+    server = &create->server();
     port = server->path();
+    wanted.pins = create->pins();
+  } else {
+    auto opened = hal::open_pins(config->pins);
+    if (!opened) return fail(opened.failure());
+    lines = std::move(*opened);
+    wanted.pins = lines.pins();
   }
-  auto stream = open_for_use(port, options.baud);
+  auto stream = open_for_use(port, *config->baud);
   if (!stream) return fail(stream.failure());
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", port);
 
-  hal::RobotOptions wanted = robot_options(options);
   std::optional<int> early_signal;
   wanted.cancelled = [&] {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
@@ -236,7 +244,7 @@ int drive(const Options& options) {
   const auto grant = robot.start({.function = &Driver::control, .context = &driver});
   if (!grant) return fail(grant.failure());
 
-  Recorder recorder{&robot.cycle(), server.get()};
+  Recorder recorder{&robot.cycle(), server};
   const std::optional<int> signal = follow(robot, recorder, signals, options.duration_s);
   const hal::Robot::Farewell farewell = robot.stop();
   recorder.collect();
@@ -246,7 +254,7 @@ int drive(const Options& options) {
       recorder.states().empty() ? hal::CycleState{} : recorder.states().back();
   const DriveReport report{.port = port,
                            .robot = server != nullptr ? "virtual Create" : "robot",
-                           .baud = options.baud,
+                           .baud = *config->baud,
                            .open_loop = options.open_loop,
                            .remainder = last.remainder,
                            .grant = *grant,
@@ -266,10 +274,9 @@ void add_drive(CLI::App& app, Action& chosen) {
       "drive",
       "Close the wheel-velocity loop on a robot and report how well it held.\n"
       "Without --port, drives a virtual Create of its own over a pseudo-terminal.");
-  command->add_option("--port", options->port,
-                      "Serial port of the robot, or the pseudo-terminal of `cargobay sim`");
-  command->add_option("--baud", options->baud, "Baud rate the robot is set to")
-      ->capture_default_str();
+  add_port_options(*command, options->connection);
+  command->add_flag("--virtual", options->builtin,
+                    "Drive a virtual Create of its own, though the configuration names a port");
   command
       ->add_option("--profile", options->profile,
                    "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
@@ -291,15 +298,16 @@ void add_drive(CLI::App& app, Action& chosen) {
                       "Draw set, true, estimated and commanded speed to this SVG file");
   command->add_flag("--require-rt", options->require_rt,
                     "Fail if SCHED_FIFO or locked memory is refused");
-  command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop")
-      ->check(CLI::Range(11, 98))
-      ->capture_default_str();
+  command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop [80]")
+      ->check(CLI::Range(11, 98));
   command->add_option("--cpu", options->cpu, "Pin the loop to this CPU");
+  add_pin_options(*command, options->pins);
   add_sim_options(*command, options->sim);
   command->footer(
       "Examples:\n"
       "  cargobay drive\n"
       "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
+      "  cargobay drive --baud 19200\n"
       "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300");
   command->callback([options, &chosen] { chosen = [options] { return drive(*options); }; });
 }

@@ -26,6 +26,9 @@ int run(int argc, char** argv) {
       "drive");
   cli::Action chosen;
   cli::add_drive(app, chosen);
+  cli::add_bringup(app, chosen);
+  cli::add_ports(app, chosen);
+  cli::add_pins(app, chosen);
   cli::add_sim(app, chosen);
   cli::add_sensors(app, chosen);
   cli::add_budget(app, chosen);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/connection.hpp"
 #include "hal/cli/conversation.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/open_for_use.hpp"
@@ -29,8 +30,7 @@ namespace {
 using std::chrono::milliseconds;
 
 struct Options {
-  std::string port;
-  std::uint32_t baud = oi::kDefaultBaud;
+  PortOptions connection{};
   double listen_s = 1.0;
   std::optional<double> duration_s{};
   bool leave_running = false;
@@ -64,7 +64,7 @@ class Sending {
     pause_stream();
     talk_.end_text();
     if (!failure && talk_.hung_up()) failure = hung_up();
-    if (port_.baud() != options_.baud && !failure) {
+    if (port_.baud() != opened_at_ && !failure) {
       print_remark(
           fmt::format("the robot now runs at {0} baud; next time: --baud {0}", port_.baud()));
     }
@@ -267,6 +267,7 @@ class Sending {
   hal::ByteStream& port_;
   const Options& options_;
   Conversation talk_;
+  std::uint32_t opened_at_ = port_.baud();
   Expectation robot_{oi::Mode::off, port_.baud()};
   bool begun_stream_ = false;
 };
@@ -277,17 +278,16 @@ int send(const CLI::App& command, const Options& options) {
     print_error(failure.message);
     return kFailure;
   };
+  const auto config = configuration(options.connection);
+  if (!config) return fail(config.failure());
+  if (!has_port(*config)) return kUsageError;
   const auto text = joined_words(command);
   if (!text) return fail(text.failure());
   const auto bytes = encode_or_explain(*text);
   if (!bytes) return kFailure;
   const std::vector<PlannedCommand> commands = divide(*bytes);
-  if (!oi::baud_code(options.baud).has_value()) {
-    return fail({fmt::format("the robot has no {} baud; choose from {}", options.baud,
-                             fmt::join(oi::kBaudRates, ", "))});
-  }
-  if (const auto refused = objection(commands, std::nullopt, options.baud)) return fail(*refused);
-  auto port = open_for_use(options.port, options.baud);
+  if (const auto refused = objection(commands, std::nullopt, *config->baud)) return fail(*refused);
+  auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
   Sending sending{**port, signals, options};
   if (const auto failure = sending.run(commands)) return fail(*failure);
@@ -305,12 +305,7 @@ void add_send(CLI::App& app, Action& chosen) {
       "stops them.");
   take_words(*command, "TEXT...",
              "commands as for `cargobay encode`. Without TEXT, or for '-': standard input.");
-  command
-      ->add_option("--port", options->port,
-                   "Serial port of the robot, or the pseudo-terminal of `cargobay sim`")
-      ->required();
-  command->add_option("--baud", options->baud, "Baud rate the robot is set to")
-      ->capture_default_str();
+  add_port_options(*command, options->connection);
   command
       ->add_option("--listen", options->listen_s,
                    "Seconds for which the frames of a stream are printed")

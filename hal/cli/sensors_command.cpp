@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/connection.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/packet_list.hpp"
@@ -21,8 +22,7 @@ namespace cargobay::cli {
 namespace {
 
 struct Options {
-  std::string port;
-  std::uint32_t baud = oi::kDefaultBaud;
+  PortOptions connection{};
   std::string packets = "6";
   bool as_json = false;
   bool once = false;
@@ -70,11 +70,10 @@ int sensors(const Options& options) {
   };
   const auto packets = read_packet_list(options.packets);
   if (!packets) return fail(packets.failure());
-  if (!oi::baud_code(options.baud).has_value()) {
-    return fail({fmt::format("the robot has no {} baud; choose from {}", options.baud,
-                             fmt::join(oi::kBaudRates, ", "))});
-  }
-  auto port = open_for_use(options.port, options.baud);
+  const auto config = configuration(options.connection);
+  if (!config) return fail(config.failure());
+  if (!has_port(*config)) return kUsageError;
+  auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
   // A live table needs a terminal; elsewhere one reading is what makes sense.
   if (options.once || (!options.as_json && !stdout_is_terminal())) {
@@ -97,12 +96,7 @@ void add_sensors(CLI::App& app, Action& chosen) {
       "Show the robot's sensors, named and with units: a live table on a terminal, else one "
       "reading.\n"
       "A robot that is off is started, and stays in Passive; one that runs keeps its mode.");
-  command
-      ->add_option("--port", options->port,
-                   "Serial port of the robot, or the pseudo-terminal of `cargobay sim`")
-      ->required();
-  command->add_option("--baud", options->baud, "Baud rate the robot is set to")
-      ->capture_default_str();
+  add_port_options(*command, options->connection);
   command
       ->add_option("--packets", options->packets,
                    "Packets by number or name, with commas between; 6 is all")

@@ -1,0 +1,145 @@
+// `cargobay bringup`: from whatever state the robot is in to one that answers at the wanted rate.
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "hal/bring_up.hpp"
+#include "hal/cli/bring_up_report.hpp"
+#include "hal/cli/commands.hpp"
+#include "hal/cli/connection.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/open_for_use.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/signals.hpp"
+#include "hal/cli/virtual_create.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/open_pins.hpp"
+#include "oi/encode.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+// What there is to know of a robot that does not move.
+constexpr oi::StreamList kPackets = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
+    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
+constexpr std::chrono::milliseconds kLastWords{200};
+
+struct Options {
+  PortOptions port{};
+  PinOptions pins{};
+  std::string mode = "passive";
+  bool builtin = false;
+  std::string json_file;
+};
+
+oi::Mode mode_of(const std::string& word) {
+  if (word == "safe") return oi::Mode::safe;
+  return word == "full" ? oi::Mode::full : oi::Mode::passive;
+}
+
+// Nobody listens from here on.
+void end_stream(hal::ByteStream& stream, oi::Mode mode) {
+  if (mode == oi::Mode::passive) {
+    (void)hal::leave(stream);  // it was Passive a moment ago
+    return;
+  }
+  const auto pause = oi::encode(oi::PauseResumeStream{oi::StreamState::pause});
+  if (pause) (void)stream.write(*pause);
+  (void)stream.drain(kLastWords);
+}
+
+int conclude(const Options& options, const BringUpRecord& record,
+             const hal::Result<hal::BringUpReport>& result, std::optional<int> signal) {
+  if (result && options.json_file != "-") fmt::print("{}", summary(record, *result));
+  std::optional<hal::Failure> wrong;
+  if (!options.json_file.empty()) wrong = write_file(options.json_file, json(record, result));
+  if (signal) return kSignalled + *signal;
+  if (!result) wrong = result.failure();
+  if (!wrong) return kSuccess;
+  print_error(wrong->message);
+  return kFailure;
+}
+
+int bring_up(const Options& options) {
+  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the pin low
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  const auto config = configuration(options.port, options.pins);
+  if (!config) return fail(config.failure());
+  if (!options.json_file.empty()) {
+    if (auto failure = check_writable(options.json_file)) return fail(*failure);
+  }
+  BringUpRecord record{.port = config->port, .robot = "robot", .baud = *config->baud};
+  const bool builtin = options.builtin || config->port.empty();
+  std::unique_ptr<VirtualCreate> create;  // outlives the pins
+  hal::OpenPins lines;
+  if (builtin) {
+    if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
+    auto started = VirtualCreate::start({}, record.baud, 0);
+    if (!started) return fail(started.failure());
+    create = std::move(*started);
+    record.port = create->server().path();
+    record.robot = "virtual Create";
+  } else {
+    auto opened = hal::open_pins(config->pins);
+    if (!opened) return fail(opened.failure());
+    lines = std::move(*opened);
+  }
+  auto stream = open_for_use(record.port, record.baud);
+  if (!stream) return fail(stream.failure());
+
+  const oi::Mode mode = mode_of(options.mode);
+  std::optional<int> signal;
+  const auto result = hal::bring_up(**stream, {.mode = mode,
+                                               .packets = kPackets,
+                                               .pins = create ? create->pins() : lines.pins(),
+                                               .progress =
+                                                   [&](const hal::BringUpEvent& event) {
+                                                     record.steps.push_back(event);
+                                                     if (options.json_file == "-") return;
+                                                     fmt::print("{}", line(event));
+                                                     std::fflush(stdout);
+                                                   },
+                                               .cancelled =
+                                                   [&] {
+                                                     if (!signal)
+                                                       signal = signals.wait(rt::Duration::zero());
+                                                     return signal.has_value();
+                                                   }});
+  if (result) end_stream(**stream, mode);
+  return conclude(options, record, result, signal);
+}
+
+}  // namespace
+
+void add_bringup(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "bringup",
+      "Find the robot at whatever rate and state it is in, and bring it to the wanted rate and "
+      "mode:\npower-on by its toggle, BRC pulses or the Baud command, freeing it from half a "
+      "command.\nWithout --port, on a virtual Create of its own.");
+  add_port_options(*command, options->port);
+  command->add_option("--mode", options->mode, "Mode to leave it in; safe and full do not charge")
+      ->check(CLI::IsMember({"passive", "safe", "full"}))
+      ->capture_default_str();
+  command->add_flag("--virtual", options->builtin,
+                    "Use a virtual Create of its own, though the configuration names a port");
+  command->add_option("--json", options->json_file,
+                      "Write steps and result to this file; - for standard output");
+  add_pin_options(*command, options->pins);
+  command->footer(
+      "Examples:\n"
+      "  cargobay bringup --baud 19200\n"
+      "  cargobay bringup --port /dev/ttyAMA0 --baud 19200 --brc-chip pinctrl-bcm2835 --brc-line "
+      "17 --active-low");
+  command->callback([options, &chosen] { chosen = [options] { return bring_up(*options); }; });
+}
+
+}  // namespace cargobay::cli

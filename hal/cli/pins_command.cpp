@@ -1,0 +1,101 @@
+// `cargobay pins`: the GPIO chips and lines there are, who holds them, and what one of them does.
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "gpio/line.hpp"
+#include "hal/cli/commands.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/signals.hpp"
+#include "rt/clock.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kSlice{50};  // at most so long until a signal is noticed
+
+struct Options {
+  gpio::LineAddress watched{};
+  bool active_low = false;
+};
+
+void print(const gpio::ChipInfo& chip) {
+  if (chip.error != 0) {
+    const bool denied = chip.error == EACCES || chip.error == EPERM;
+    gpio::LineError error{.path = chip.path, .group = chip.group, .error = chip.error};
+    error.address = {.chip = chip.name, .line = "0"};
+    if (denied) error.kind = gpio::LineError::Kind::no_permission;
+    fmt::print("{}: {}\n", chip.name, gpio::explain(error));
+    return;
+  }
+  fmt::print("{} [{}] {} lines\n", chip.name, chip.label, chip.lines.size());
+  for (std::size_t offset = 0; offset < chip.lines.size(); ++offset) {
+    const gpio::LineInfo& line = chip.lines[offset];
+    if (line.name.empty() && !line.used) continue;  // nothing to tell of it
+    fmt::print("{:4}  {:<16}", offset, line.name);
+    if (line.used) fmt::print(" used by {}", line.consumer.empty() ? "the kernel" : line.consumer);
+    fmt::print("\n");
+  }
+}
+
+const char* word(gpio::Level level) { return level == gpio::Level::high ? "high" : "low"; }
+
+int watch(const Options& options) {
+  StopSignals signals;
+  gpio::LineError error;
+  const auto line = gpio::open_input(
+      options.watched,
+      {.polarity = options.active_low ? gpio::Polarity::inverted : gpio::Polarity::direct,
+       .edges = gpio::InputOptions::Edges::both},
+      error);
+  if (!line) {
+    print_error(gpio::explain(error));
+    return kFailure;
+  }
+  if (const auto level = line->level()) fmt::print("{}\n", word(*level));
+  rt::TimePoint before = rt::Clock::now();
+  for (;;) {
+    std::fflush(stdout);
+    if (signals.wait(rt::Duration::zero())) return kSuccess;
+    const auto edge = line->wait_for_edge(rt::Clock::now() + kSlice);
+    if (!edge) continue;
+    fmt::print("{} after {:.1f} ms\n", word(edge->level), 1e3 * rt::seconds(edge->time - before));
+    before = edge->time;
+  }
+}
+
+int pins(const Options& options) {
+  if (!options.watched.line.empty()) return watch(options);
+  if (!options.watched.chip.empty()) {
+    print_error("--chip needs --watch");
+    return kUsageError;
+  }
+  const std::vector<gpio::ChipInfo> found = gpio::chips();
+  for (const gpio::ChipInfo& chip : found) print(chip);
+  if (found.empty()) fmt::print("no GPIO chip here (/dev/gpiochip*)\n");
+  return kSuccess;
+}
+
+}  // namespace
+
+void add_pins(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("pins",
+                         "List the GPIO chips and their lines, or watch one line until Ctrl-C.\n"
+                         "Lines that have no name and are not used are left out.");
+  command->add_option("--watch", options->watched.line,
+                      "Print each edge of this line, by offset or name, and the time since the "
+                      "last");
+  command->add_option("--chip", options->watched.chip, "Its chip, by label or name");
+  command->add_flag("--active-low", options->active_low, "It comes through an inverter");
+  command->callback([options, &chosen] { chosen = [options] { return pins(*options); }; });
+}
+
+}  // namespace cargobay::cli
