@@ -64,12 +64,16 @@ std::string numbered(const std::string& path, std::size_t index, std::size_t cou
   return fmt::format("{}.{}{}", stem, index, drawing ? kDrawing : "");
 }
 
+// The earliest first; of one moment, as they were given.
 std::vector<PlannedFault> planned_faults(const Options& options) {
-  std::vector<PlannedFault> faults(options.faults.size());
-  std::transform(options.faults.begin(), options.faults.end(), faults.begin(),
-                 [](const std::string& text) { return *parse_fault(text); });  // checked: it parses
-  std::stable_sort(faults.begin(), faults.end(),
-                   [](const PlannedFault& a, const PlannedFault& b) { return a.after < b.after; });
+  std::vector<PlannedFault> faults;
+  for (const std::string& text : options.faults) {
+    PlannedFault fault = *parse_fault(text);  // checked: it parses
+    const auto later =
+        std::find_if(faults.begin(), faults.end(),
+                     [&fault](const PlannedFault& other) { return other.after > fault.after; });
+    faults.insert(later, std::move(fault));
+  }
   return faults;
 }
 

@@ -84,10 +84,10 @@ TEST_F(RobotTest, DrivesAndIsLeftStanding) {
 }
 
 TEST_F(RobotTest, IsStoppedByItsDestructor) {
+  Driver driver{.frames = 1'000'000'000};
   {
     auto robot = Robot::open(make_link(), {.realtime = kNoRights});
     ASSERT_TRUE(robot);
-    Driver driver{.robot = robot->get(), .frames = 1'000'000'000};
     ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
     while (driver.calls < 200) std::this_thread::yield();
   }

@@ -42,10 +42,19 @@ STEADY_ERROR_MM_S = 2 * 1.5
 failures = 0
 
 
-def check(holds: bool, what: str) -> None:
+def check(holds: bool, what: str, else_tell: str = "") -> None:
     global failures
     print(f"  {'ok    ' if holds else 'FAILED'} {what}", flush=True)
+    if not holds and else_tell:
+        print(else_tell, flush=True)
     failures += not holds
+
+
+def run_quietly(command: list) -> None:
+    """What it prints is of interest only where it fails."""
+    result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout}")
 
 
 def build(suite: Suite, name: str, folder: Path) -> tuple[Path, Path]:
@@ -58,13 +67,12 @@ def build(suite: Suite, name: str, folder: Path) -> tuple[Path, Path]:
         if not (part / "lib").exists():
             (part / "lib").symlink_to("usr/lib")
         part.rename(root)
-    subprocess.run(
+    run_quietly(
         ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
          f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
-         "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DCARGOBAY_WERROR=ON"],
-        check=True, stdout=subprocess.DEVNULL,
+         "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DCARGOBAY_WERROR=ON"]
     )  # fmt: skip
-    subprocess.run(["cmake", "--build", target], check=True, stdout=subprocess.DEVNULL)
+    run_quietly(["cmake", "--build", target])
     return root, target / "cargobay"
 
 
@@ -81,7 +89,7 @@ def brings_up_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
     robot.tell("power")  # off
     begin = time.monotonic()
     code, text = pi.run(f"cargobay bringup {OPTIONS}", 90)
-    check(code == 0, f"cargobay bringup succeeds\n{text if code else ''}")
+    check(code == 0, "cargobay bringup succeeds", text)
     widths = lows(pi, begin)
     check(len(widths) == 3, f"three low pulses: {len(widths)}")
     check(all(50 <= width <= 500 for width in widths), f"of 50 to 500 ms: {widths}")
@@ -114,7 +122,7 @@ def drives_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
         time.sleep(0.02)
     code, _ = pi.end(60)
     _, text = pi.run("cat /tmp/drive.txt /tmp/drive.json")
-    check(code == 0, f"cargobay drive succeeds\n{text if code else ''}")
+    check(code == 0, "cargobay drive succeeds", text)
     if code != 0:
         return
     result = json.loads(text[text.index("\n{") :])
@@ -145,7 +153,7 @@ def recovers_from_a_kill(pi: EmulatedPi, robot: VirtualCreate) -> None:
     widths = lows(pi, begin)
     check(1 <= len(widths) < 3, f"it was killed behind pulse {len(widths)}")
     code, text = pi.run(f"cargobay bringup {OPTIONS}", 90)
-    check(code == 0, f"the second succeeds without a human\n{text if code else ''}")
+    check(code == 0, "the second succeeds without a human", text)
     state = robot.state()
     check(state["baud"] == 19200, f"the robot is at {state['baud']} baud")
     check(pi.levels[BRC], "the pin is released")

@@ -285,7 +285,8 @@ class EmulatedPi:
     def close(self) -> None:
         self.stopping = True
         self.wires.join()
-        self.process.terminate()
+        if self.process.poll() is None:
+            self.monitor.execute("quit")
         self.process.wait()
         for link in (self.uart, self.console):
             link.close()
