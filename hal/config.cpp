@@ -14,9 +14,7 @@
 #include "oi/baud.hpp"
 #include "oi/nearest_name.hpp"
 
-// Whole in this file, and no exceptions: parse() returns what is wrong.
-#define TOML_EXCEPTIONS 0
-#define TOML_HEADER_ONLY 1
+// Built to return errors, not to throw them: hal/CMakeLists.txt.
 #include <toml++/toml.h>
 
 namespace cargobay::hal {
@@ -44,7 +42,7 @@ class Reader {
   Failure at(const toml::source_region& where, const std::string& what) const {
     return {file_ + ":" + std::to_string(where.begin.line) + ": " + what};
   }
-  Key table(std::string_view name, std::function<std::vector<Key>()> keys);
+  Key table(std::string_view name, const std::function<std::vector<Key>()>& keys);
 
   std::vector<Key> root_keys();
   std::vector<Key> pins_keys();
@@ -73,7 +71,7 @@ Key text_key(std::string_view name, std::string& target) {
           }};
 }
 
-Key flag_key(std::string_view name, std::function<void(bool)> set) {
+Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
   return {name, [set](const toml::node& node) -> Complaint {
             const auto* flag = node.as_boolean();
             if (flag == nullptr) return "is true or false";
@@ -166,7 +164,7 @@ std::optional<Failure> Reader::take(const toml::table& table, std::span<const Ke
   return std::nullopt;
 }
 
-Key Reader::table(std::string_view name, std::function<std::vector<Key>()> keys) {
+Key Reader::table(std::string_view name, const std::function<std::vector<Key>()>& keys) {
   return {name, [this, keys](const toml::node& node) -> Complaint {
             const toml::table* inside = node.as_table();
             if (inside == nullptr) return "is a table, with keys of its own";

@@ -9,7 +9,7 @@
 namespace cargobay::cli {
 namespace {
 
-const std::string kPinGroup = "Pins";
+constexpr const char* kPinGroup = "Pins";
 
 void add_line(CLI::App& command, const std::string& name, LineOptions& line,
               const std::string& what) {
@@ -32,10 +32,9 @@ void lay_over(const PinOptions& options, hal::PinSettings& pins) {
   lay_over(options.power, pins.power_toggle);
   lay_over(options.power_sense, pins.power_sense);
   lay_over(options.charging, pins.charging);
-  for (hal::PinSetting* pin : {&pins.brc, &pins.power_toggle}) {
-    if (options.active_low) pin->polarity = gpio::Polarity::inverted;
-    if (options.open_drain) pin->drive = gpio::Drive::open_drain;
-  }
+  if (options.active_low) pins.brc.polarity = gpio::Polarity::inverted;
+  if (options.open_drain) pins.brc.drive = gpio::Drive::open_drain;
+  if (options.power_active_low) pins.power_toggle.polarity = gpio::Polarity::inverted;
 }
 
 }  // namespace
@@ -57,9 +56,13 @@ void add_pin_options(CLI::App& command, PinOptions& options) {
   add_line(command, "charging", options.charging, "From the charging pin");
   command
       .add_flag("--active-low", options.active_low,
-                "The outputs go through an inverter, such as a transistor to ground")
+                "The BRC line goes through an inverter, such as a transistor to ground")
       ->group(kPinGroup);
-  command.add_flag("--open-drain", options.open_drain, "The outputs only ever pull low")
+  command.add_flag("--open-drain", options.open_drain, "The BRC line only ever pulls low")
+      ->group(kPinGroup);
+  command
+      .add_flag("--power-active-low", options.power_active_low,
+                "The line of the power toggle goes through an inverter")
       ->group(kPinGroup);
 }
 

@@ -31,8 +31,9 @@ struct PinOptions {
   LineOptions power{};
   LineOptions power_sense{};
   LineOptions charging{};
-  bool active_low = false;
-  bool open_drain = false;
+  bool active_low = false;  // of the BRC line
+  bool open_drain = false;  // the same
+  bool power_active_low = false;
 
   bool any_line() const { return brc.line || power.line || power_sense.line || charging.line; }
 };

@@ -193,6 +193,32 @@ int conclude(const DriveReport& report, const Options& options,
   return signal.has_value() ? kSignalled + *signal : kSuccess;
 }
 
+// What is driven: a robot and the lines to its pins, or a virtual Create.
+struct Plant {
+  std::string port;
+  std::unique_ptr<VirtualCreate> create{};
+  hal::OpenPins lines{};
+
+  hal::RobotPins pins() const { return create ? create->pins() : lines.pins(); }
+};
+
+hal::Result<Plant> find_plant(const Options& options, const hal::Config& config, int priority) {
+  Plant plant{.port = config.port};
+  if (!options.builtin && !plant.port.empty()) {
+    auto lines = hal::open_pins(config.pins);
+    if (!lines) return lines.failure();
+    plant.lines = std::move(*lines);
+    return plant;
+  }
+  if (options.pins.any_line()) return hal::Failure{"the pins of a robot need its --port"};
+  // Above ordinary work, below the loop: a wire does not wait for the CPU.
+  auto started = VirtualCreate::start(parameters(options.sim), *config.baud, priority - 10);
+  if (!started) return started.failure();
+  plant.create = std::move(*started);
+  plant.port = plant.create->server().path();
+  return plant;
+}
+
 int drive(const Options& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
@@ -206,30 +232,14 @@ int drive(const Options& options) {
   const auto config = configuration(options.connection, options.pins);
   if (!config) return fail(config.failure());
   hal::RobotOptions wanted = robot_options(options, *config);
-  std::unique_ptr<VirtualCreate> create;  // these outlive the robot
-  hal::OpenPins lines;
-  hal::sim::Server* server = nullptr;
-  std::string port = config->port;
-  if (options.builtin || port.empty()) {
-    if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
-    // Above ordinary work, below the loop: a wire does not wait for the CPU.
-    auto started =
-        VirtualCreate::start(parameters(options.sim), *config->baud, wanted.realtime.priority - 10);
-    if (!started) return fail(started.failure());
-    create = std::move(*started);
-    server = &create->server();
-    port = server->path();
-    wanted.pins = create->pins();
-  } else {
-    auto opened = hal::open_pins(config->pins);
-    if (!opened) return fail(opened.failure());
-    lines = std::move(*opened);
-    wanted.pins = lines.pins();
-  }
-  auto stream = open_for_use(port, *config->baud);
+  auto plant = find_plant(options, *config, wanted.realtime.priority);  // outlives the robot
+  if (!plant) return fail(plant.failure());
+  wanted.pins = plant->pins();
+  hal::sim::Server* server = plant->create ? &plant->create->server() : nullptr;
+  auto stream = open_for_use(plant->port, *config->baud);
   if (!stream) return fail(stream.failure());
   if (server != nullptr && options.json_file != "-")
-    fmt::print("Driving a virtual Create on {}\n", port);
+    fmt::print("Driving a virtual Create on {}\n", plant->port);
 
   std::optional<int> early_signal;
   wanted.cancelled = [&] {
@@ -252,7 +262,7 @@ int drive(const Options& options) {
   const std::vector<DriveSample> samples = recorder.samples();
   const hal::CycleState last =
       recorder.states().empty() ? hal::CycleState{} : recorder.states().back();
-  const DriveReport report{.port = port,
+  const DriveReport report{.port = plant->port,
                            .robot = server != nullptr ? "virtual Create" : "robot",
                            .baud = *config->baud,
                            .open_loop = options.open_loop,

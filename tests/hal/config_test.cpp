@@ -1,5 +1,9 @@
 #include "hal/config.hpp"
 
+#include <fstream>
+#include <iterator>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -114,6 +118,22 @@ TEST(ConfigFile, SaysThatItCannotBeRead) {
     ASSERT_FALSE(config) << file;
     EXPECT_THAT(config.failure().message, HasSubstr(file));
   }
+}
+
+TEST(ConfigFile, IsWhatTheWiringPageShows) {
+  std::ifstream file{CARGOBAY_SOURCE_DIR "/docs/wiring.md"};
+  const std::string page{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
+  const std::string begin = "```toml\n";
+  const std::size_t at = page.find(begin);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t from = at + begin.size();
+  Config config;
+  const auto failure =
+      read_config(page.substr(from, page.find("```", from) - from), "docs/wiring.md", config);
+  ASSERT_FALSE(failure) << failure->message;
+  EXPECT_TRUE(config.pins.brc.wired());
+  EXPECT_EQ(config.pins.brc.polarity, gpio::Polarity::inverted);
+  EXPECT_EQ(config.pins.power_toggle.polarity, gpio::Polarity::direct);
 }
 
 TEST(ConfigFile, MayBeEmpty) { EXPECT_TRUE(load_config("/dev/null")); }
