@@ -9,6 +9,7 @@ Exit 77, and says why, where something that it needs is missing.
 """
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -24,7 +25,10 @@ COMPILER_PACKAGES = {"bookworm": "libstdc++-12-dev", "trixie": "libstdc++-14-dev
 PACKAGES = [
     "busybox-static", "libc6-dev", "libgpiod-dev", "libserialport-dev", "libfmt-dev",
     "libtomlplusplus-dev", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev",
+    "libgtest-dev", "libgmock-dev",
 ]  # fmt: skip
+# Of the project's tests those that meet the kernel and the libraries of the Pi.
+TESTS = ["test_gpio", "test_serial"]
 NOT_NEEDED = {"libnsl-dev", "pkg-config", "libc-dev-bin", "rpcsvc-proto"}
 TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "dpkg-deb", "readelf", "clang++-22", "cmake", "ninja"]
 
@@ -57,8 +61,8 @@ def run_quietly(command: list) -> None:
         sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout}")
 
 
-def build(suite: Suite, name: str, folder: Path) -> tuple[Path, Path]:
-    """The user space of that Debian, and the command built for it."""
+def build(suite: Suite, name: str, folder: Path) -> tuple[Path, list[Path]]:
+    """The user space of that Debian, and the command and the tests built for it."""
     root, target = folder / "root", folder / "build"
     if not root.exists():
         part = folder / "root.part"
@@ -70,10 +74,10 @@ def build(suite: Suite, name: str, folder: Path) -> tuple[Path, Path]:
     run_quietly(
         ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
          f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
-         "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DCARGOBAY_WERROR=ON"]
+         "-DCMAKE_BUILD_TYPE=Release", "-DCARGOBAY_WERROR=ON"]
     )  # fmt: skip
-    run_quietly(["cmake", "--build", target])
-    return root, target / "cargobay"
+    run_quietly(["cmake", "--build", target, "--target", "cargobay", *TESTS])
+    return root, [target / "cargobay", *(target / "tests" / test for test in TESTS)]
 
 
 def lows(pi: EmulatedPi, since: float) -> list[float]:
@@ -82,6 +86,14 @@ def lows(pi: EmulatedPi, since: float) -> list[float]:
     return [
         1000 * (after - at) for (at, level), (after, _) in zip(edges, edges[1:]) if not level
     ]
+
+
+def passes_its_tests(pi: EmulatedPi, _robot: VirtualCreate) -> None:
+    print("the tests of lines and ports, on the Pi")
+    for test in TESTS:
+        code, text = pi.run(f"{test} --gtest_color=no < /dev/null", 120)
+        summary = re.search(r"\[  PASSED  \] \d+ tests", text)
+        check(code == 0 and summary is not None, f"{test}: {summary[0] if summary else code}", text)
 
 
 def brings_up_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
@@ -152,6 +164,7 @@ def recovers_from_a_kill(pi: EmulatedPi, robot: VirtualCreate) -> None:
     pi.run("killall -KILL cargobay; sleep 1")
     widths = lows(pi, begin)
     check(1 <= len(widths) < 3, f"it was killed behind pulse {len(widths)}")
+    check(pi.levels[BRC], "the kernel released the pin")
     code, text = pi.run(f"cargobay bringup {OPTIONS}", 90)
     check(code == 0, "the second succeeds without a human", text)
     state = robot.state()
@@ -172,8 +185,8 @@ def main() -> int:
     here.mkdir(parents=True, exist_ok=True)
     suite = Suite(name, cache)
     kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
-    root, cross = build(suite, name, here)
-    initramfs = make_initramfs(here / "initramfs", root, cross)
+    root, programs = build(suite, name, here)
+    initramfs = make_initramfs(here / "initramfs", root, programs)
     robot = VirtualCreate(command, here)
     try:
         pi = EmulatedPi(kernel, tree, initramfs, here, robot, PINS)
@@ -181,7 +194,7 @@ def main() -> int:
             begin = time.monotonic()
             pi.booted()
             print(f"booted {kernel.name} with the user space of {name} in {time.monotonic() - begin:.1f} s")
-            for scenario in (brings_up_at_19200, drives_at_19200, recovers_from_a_kill):
+            for scenario in (passes_its_tests, brings_up_at_19200, drives_at_19200, recovers_from_a_kill):
                 scenario(pi, robot)
             print(f"rates of the PL011: {pi.rates}")
         finally:

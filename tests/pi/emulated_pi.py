@@ -34,6 +34,8 @@ INIT = """#!/bin/busybox sh
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t devtmpfs devtmpfs /dev
+mkdir /dev/pts
+mount -t devpts devpts /dev/pts
 exec < /dev/ttyS1 > /dev/ttyS1 2>&1
 stty -echo -onlcr
 dmesg -n 1
@@ -75,16 +77,16 @@ def unpack_kernel(suite: Suite, folder: Path) -> tuple[Path, Path]:
     return kernel, tree
 
 
-def make_initramfs(folder: Path, root: Path, command: Path) -> Path:
-    """The user space of `root`, as small as it can be, with the command in it."""
+def make_initramfs(folder: Path, root: Path, programs: list[Path]) -> Path:
+    """The user space of `root`, as small as it can be, with the programs in it."""
     shutil.rmtree(folder, ignore_errors=True)
     for name in ("bin", "lib/aarch64-linux-gnu", "proc", "sys", "dev", "tmp", "etc"):
         (folder / name).mkdir(parents=True)
     busybox = next(path for path in (root / "bin/busybox", root / "usr/bin/busybox") if path.exists())
-    for source, target in ((busybox, "bin/busybox"), (command, "bin/cargobay")):
-        shutil.copy(source, folder / target)
+    for program in (busybox, *programs):
+        shutil.copy(program, folder / "bin")
     shutil.copy(root / "lib/ld-linux-aarch64.so.1", folder / "lib")
-    for library in libraries([command], root):
+    for library in libraries(programs, root):
         shutil.copy(library, folder / "lib/aarch64-linux-gnu")
     (folder / "init").write_text(INIT)
     (folder / "init").chmod(0o755)
@@ -271,7 +273,7 @@ class EmulatedPi:
 
     def start(self, line: str) -> None:
         """Runs the line; its end is waited for by end()."""
-        self.console.sendall(f"{line}; echo; echo @@ended $?\n".encode())
+        self.console.sendall(f"{line}; code=$?; echo; echo @@ended $code\n".encode())
 
     def end(self, timeout_s: float) -> tuple[int, str]:
         """The exit code, and what was printed."""

@@ -1,6 +1,6 @@
 // libserialport's own code on a pseudo-terminal. It wants its port under /dev and under
 // /sys/class/tty, so the port is named by a path that leads to one link from both; and it asks for
-// modem lines, which a pseudo-terminal has not: this program answers in the kernel's place.
+// modem lines, which a pseudo-terminal has not. This program answers in the kernel's place.
 #include "hal/serial_transport.hpp"
 
 #include <fcntl.h>
@@ -12,10 +12,12 @@
 #include <array>
 #include <cerrno>
 #include <cstdarg>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -39,6 +41,15 @@ struct ModemLines {
 // The linker's names for them (ld --wrap).
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
 extern "C" {
+// libserialport 0.1.2 resolves names, as Debian compiles it by this; our name is to stay what it
+// is.
+char* __wrap___realpath_chk(const char* path, char* resolved, std::size_t size) {
+  const std::string_view name{path};
+  if (name.size() >= size) return nullptr;
+  resolved[name.copy(resolved, size - 1)] = '\0';
+  return resolved;
+}
+
 int __real_ioctl(int descriptor, unsigned long request, void* argument);
 
 int __wrap_ioctl(int descriptor, unsigned long request, ...) {
