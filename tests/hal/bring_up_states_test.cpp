@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -146,17 +147,45 @@ TEST(BringUpStates, AllLeadToAStreamAtTheWantedRateAndMode) {
   }
 }
 
-TEST(BringUpStates, PulsesAreWhatTheManualAsksFor) {
-  Bench bench{{.robot = {.power_on = sim::PowerOn::never}}, 19200};
-  const auto report = bench.bring_up(Wired::brc_and_power, oi::Mode::safe);
-  ASSERT_TRUE(report) << report.failure().message;
-  EXPECT_EQ(report->rate_change, RateChange::brc);
-  ASSERT_EQ(report->brc.pulses().size(), 6U);
-  for (const gpio::PlayedPulse& pulse : report->brc.pulses()) {
-    EXPECT_GE(pulse.lasted, milliseconds{50});
-    EXPECT_LE(pulse.lasted, milliseconds{500});
+// Notes when each level was set, by the robot's clock, and hands it on.
+class WatchedPin final : public gpio::Output {
+ public:
+  WatchedPin(gpio::Output& pin, const sim::Device& device) : pin_{pin}, device_{device} {}
+  std::error_code set(gpio::Level level) override {
+    edges.emplace_back(device_.now(), level);
+    return pin_.set(level);
   }
-  EXPECT_EQ(bench.device.counters().boots, 1U) << "switched on once, and never off";
+  std::vector<std::pair<rt::Duration, gpio::Level>> edges;
+
+ private:
+  gpio::Output& pin_;
+  const sim::Device& device_;
+};
+
+TEST(BringUpStates, PulsesAreWhatTheManualAsksFor) {
+  for (const sim::PowerOn found : {sim::PowerOn::never, sim::PowerOn::now}) {
+    Bench bench{{.robot = {.power_on = found}}, 19200};
+    WatchedPin brc{bench.pins.brc, bench.device};
+    WatchedPin toggle{bench.pins.power_toggle, bench.device};
+    const auto report = bring_up(
+        bench.link,
+        {.packets = kReadingList,
+         .pins = {.brc = &brc, .power_toggle = &toggle, .power_sense = &bench.pins.power_sense}});
+    ASSERT_TRUE(report) << report.failure().message;
+    EXPECT_EQ(report->rate_change, RateChange::brc);
+    const bool toggled = found == sim::PowerOn::never;
+    ASSERT_EQ(toggle.edges.size(), toggled ? 4U : 0U);
+    const rt::Duration powered = toggled ? toggle.edges[1].first : rt::Duration{0};
+    ASSERT_EQ(brc.edges.size(), 7U) << "three pulses, once, and the release";
+    EXPECT_GE(brc.edges[0].first - powered, seconds{2});
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(brc.edges[i].second, i % 2 == 0 ? gpio::Level::low : gpio::Level::high);
+      const rt::Duration width = brc.edges[i + 1].first - brc.edges[i].first;
+      EXPECT_GE(width, milliseconds{50});
+      EXPECT_LE(width, milliseconds{500});
+    }
+    EXPECT_EQ(bench.device.counters().boots, 1U) << "and never off";
+  }
 }
 
 // A robot that is on: the toggle without its indicator would switch it off, and is not needed.
