@@ -88,6 +88,8 @@ def make_initramfs(folder: Path, root: Path, programs: list[Path]) -> Path:
     shutil.copy(root / "lib/ld-linux-aarch64.so.1", folder / "lib")
     for library in libraries(programs, root):
         shutil.copy(library, folder / "lib/aarch64-linux-gnu")
+    (folder / "etc/passwd").write_text("root:x:0:0::/:/bin/sh\nnobody:x:65534:65534::/:/bin/sh\n")
+    (folder / "etc/group").write_text("root:x:0:\nnogroup:x:65534:\n")
     (folder / "init").write_text(INIT)
     (folder / "init").chmod(0o755)
     names = subprocess.run(["find", ".", "-print0"], cwd=folder, capture_output=True, check=True).stdout
