@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
   cli::add_bringup(app, chosen);
   cli::add_ports(app, chosen);
   cli::add_pins(app, chosen);
+  cli::add_doctor(app, chosen);
   cli::add_sim(app, chosen);
   cli::add_sensors(app, chosen);
   cli::add_budget(app, chosen);

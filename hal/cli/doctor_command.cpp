@@ -1,0 +1,81 @@
+// `cargobay doctor`: what spoils real time or the link, and what to do about it.
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/doctor.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+struct Options {
+  std::string port;
+  int priority = rt::RealtimeRequest{}.priority;
+  std::string json_file;
+};
+
+// Rights are known only once they have been asked for.
+rt::RealtimeGrant try_rights(int priority) {
+  rt::RealtimeThread thread;
+  rt::RealtimeGrant grant = thread.start({.priority = priority}, [] {});
+  thread.join();
+  return grant;
+}
+
+std::string json(const std::vector<hal::Finding>& findings) {
+  using nlohmann::json;
+  json out{{"ok", hal::all_well(findings)}, {"findings", json::array()}};
+  for (const hal::Finding& finding : findings) {
+    out["findings"].push_back({{"check", finding.check},
+                               {"verdict", hal::name(finding.verdict)},
+                               {"what", finding.what},
+                               {"remedy", finding.remedy}});
+  }
+  return out.dump(2) + "\n";
+}
+
+void print(const std::vector<hal::Finding>& findings) {
+  for (const hal::Finding& finding : findings) {
+    fmt::print("{:<7} {:<11} {}\n", hal::name(finding.verdict), finding.check, finding.what);
+    if (!finding.remedy.empty()) fmt::print("{:20}{}\n", "", finding.remedy);
+  }
+}
+
+int examine(const Options& options) {
+  const std::vector<hal::Finding> findings = hal::examine(
+      {.port = options.port, .priority = options.priority, .grant = try_rights(options.priority)});
+  if (options.json_file != "-") print(findings);
+  if (!options.json_file.empty()) {
+    if (auto failure = write_file(options.json_file, json(findings))) {
+      print_error(failure->message);
+      return kFailure;
+    }
+  }
+  return hal::all_well(findings) ? kSuccess : kFailure;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "doctor",
+      "Look for what spoils real time or the link on this machine, and say what to do about it.\n"
+      "Changes nothing. Exit status 1 where something is bad; advice is not.");
+  command->add_option("--port", options->port, "Look at this serial port too");
+  command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop")
+      ->check(CLI::Range(1, 98))
+      ->capture_default_str();
+  command->add_option("--json", options->json_file,
+                      "Write the findings to this file; - for standard output");
+  command->callback([options, &chosen] { chosen = [options] { return examine(*options); }; });
+}
+
+}  // namespace cargobay::cli

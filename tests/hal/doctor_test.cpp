@@ -1,0 +1,180 @@
+// Machines as their /proc and /sys tell of them, made up in a folder.
+#include "hal/doctor.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cargobay::hal {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using Verdict = Finding::Verdict;
+
+class Doctor : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = (std::filesystem::temp_directory_path() / "cargobay-XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    root_ = folder;
+    write("proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1.1");
+    write("proc/sys/kernel/sched_rt_runtime_us", "950000");
+    write("proc/sys/kernel/sched_rt_period_us", "1000000");
+    write("sys/devices/system/cpu/online", "0-3");
+    write("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance");
+    write("dev/ttyAMA0", "");
+  }
+  void TearDown() override { std::filesystem::remove_all(root_); }
+
+  void write(const std::string& path, const std::string& text) const {
+    std::filesystem::create_directories((root_ / path).parent_path());
+    std::ofstream{root_ / path, std::ios::binary} << text << '\n';
+  }
+  // A process with one thread; its flags, priority and policy as proc(5) has them.
+  void add_process(int id, const std::string& name, unsigned flags, int priority) const {
+    const std::string folder = "proc/" + std::to_string(id);
+    std::string stat = std::to_string(id) + " (" + name + ") S 1 1 1 0 -1 " + std::to_string(flags);
+    for (int field = 10; field < 40; ++field) stat += " 0";
+    write(folder + "/task/" + std::to_string(id) + "/stat",
+          stat + ' ' + std::to_string(priority) + " 1 0 0");
+    write(folder + "/comm", name);
+  }
+  static rt::RealtimeGrant all_granted() {
+    return {.fifo = true, .priority = 80, .memory_locked = true, .dma_latency_held = true};
+  }
+  std::vector<Finding> examine(rt::RealtimeGrant grant = all_granted()) const {
+    return hal::examine({.port = (root_ / "dev/ttyAMA0").string(),
+                         .grant = std::move(grant),
+                         .root = root_.string()});
+  }
+  static Finding find(const std::vector<Finding>& findings, std::string_view check) {
+    const auto found = std::ranges::find(findings, check, &Finding::check);
+    return found == findings.end() ? Finding{.what = "not looked at"} : *found;
+  }
+  // The one finding, of that verdict, names the remedy.
+  void expect(std::string_view check, Verdict verdict, const std::string& remedy,
+              rt::RealtimeGrant grant = all_granted()) const {
+    const auto findings = examine(std::move(grant));
+    const Finding finding = find(findings, check);
+    EXPECT_EQ(finding.verdict, verdict) << check << ": " << finding.what;
+    EXPECT_THAT(finding.remedy, HasSubstr(remedy)) << finding.what;
+    EXPECT_EQ(all_well(findings), verdict != Verdict::bad);
+  }
+
+  std::filesystem::path root_;
+};
+
+TEST_F(Doctor, FindsNothingOnAMachineThatIsWell) {
+  const auto findings = examine();
+  EXPECT_TRUE(all_well(findings));
+  for (const Finding& finding : findings) {
+    if (finding.check == "gpio") continue;  // this machine's own
+    EXPECT_EQ(finding.verdict, Verdict::good) << finding.check << ": " << finding.what;
+    EXPECT_THAT(finding.what, Not(IsEmpty()));
+    EXPECT_THAT(finding.remedy, IsEmpty());
+  }
+}
+
+TEST_F(Doctor, KnowsBothSignsOfARealtimeKernel) {
+  write("proc/sys/kernel/version", "#1 SMP PREEMPT_DYNAMIC Debian 6.12.1");
+  expect("kernel", Verdict::advice, "linux-image-rt");
+  write("sys/kernel/realtime", "1");
+  expect("kernel", Verdict::good, "");
+}
+
+TEST_F(Doctor, SaysWhichRightsAreMissing) {
+  rt::RealtimeGrant grant;
+  for (const auto right : {rt::Refusal::Right::fifo, rt::Refusal::Right::memory_lock,
+                           rt::Refusal::Right::dma_latency}) {
+    grant.refusals.push_back({.right = right, .error = EPERM});
+  }
+  expect("memory", Verdict::bad, "memlock unlimited", grant);
+  expect("fifo", Verdict::bad, geteuid() == 0 ? "CONFIG_RT_GROUP_SCHED" : "rtprio 90", grant);
+  EXPECT_EQ(find(examine(grant), "sleep").verdict, Verdict::advice);
+}
+
+TEST_F(Doctor, SeesThrottling) {
+  write("proc/sys/kernel/sched_rt_runtime_us", "100000");
+  expect("throttling", Verdict::bad, "sched_rt_runtime_us=950000");
+  write("proc/sys/kernel/sched_rt_runtime_us", "-1");
+  expect("throttling", Verdict::good, "");
+}
+
+TEST_F(Doctor, SeesAGovernorOfAnyCpu) {
+  write("sys/devices/system/cpu/cpu3/cpufreq/scaling_governor", "ondemand");
+  expect("governor", Verdict::advice, "echo performance");
+  EXPECT_THAT(find(examine(), "governor").what, HasSubstr("ondemand"));
+}
+
+TEST_F(Doctor, SeesDeepSleepWhereItIsNotHeldOff) {
+  write("sys/devices/system/cpu/cpu0/cpuidle/state2/name", "C6");
+  write("sys/devices/system/cpu/cpu0/cpuidle/state2/latency", "133");
+  rt::RealtimeGrant grant = all_granted();
+  EXPECT_EQ(find(examine(grant), "idle").what, "not looked at");
+  grant.dma_latency_held = false;
+  expect("idle", Verdict::advice, "cpuidle.off=1", grant);
+  write("sys/devices/system/cpu/cpu0/cpuidle/state2/disable", "1");
+  EXPECT_EQ(find(examine(grant), "idle").what, "not looked at");
+}
+
+TEST_F(Doctor, WantsACpuForTheKworkers) {
+  write("sys/devices/system/cpu/online", "0");
+  expect("kworkers", Verdict::advice, "more CPUs");
+  write("sys/devices/system/cpu/online", "0,2-3");
+  EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("of 3 CPUs"));
+}
+
+TEST_F(Doctor, SeesRivalsButNotTheKernelsOwn) {
+  constexpr unsigned kKernelThread = 0x00200040;
+  add_process(7, "migration/0", kKernelThread, 99);
+  add_process(8, "modest", 0, 79);
+  expect("rivals", Verdict::good, "");
+  add_process(9, "a (strange) name", 0, 80);
+  expect("rivals", Verdict::advice, "chrt");
+  EXPECT_THAT(find(examine(), "rivals").what, HasSubstr("a (strange) name (80)"));
+}
+
+TEST_F(Doctor, SaysThatThereIsNoPort) {
+  std::filesystem::remove(root_ / "dev/ttyAMA0");
+  expect("port", Verdict::bad, "cargobay ports");
+}
+
+TEST_F(Doctor, KnowsTheMiniUartOfAPi) {
+  write("dev/ttyS0", "");
+  std::filesystem::remove(root_ / "dev/ttyAMA0");
+  std::filesystem::create_symlink("ttyS0", root_ / "dev/ttyAMA0");  // as /dev/serial0 is
+  EXPECT_EQ(find(examine(), "uart").what, "not looked at") << "on a PC it is a port like others";
+  write("proc/device-tree/model", "Raspberry Pi 3 Model B Rev 1.2");
+  expect("uart", Verdict::bad, "dtoverlay=disable-bt");
+}
+
+TEST_F(Doctor, SeesWhoElseUsesThePort) {
+  write("proc/consoles", "tty0                 -WU (EC p  )    4:1");
+  EXPECT_TRUE(all_well(examine()));
+  write("proc/consoles", "tty0 -WU (EC p  ) 4:1\nttyAMA0 -W- (EC  p a) 204:64");
+  expect("console", Verdict::bad, "console=ttyAMA0");
+  write("proc/consoles", "");
+  add_process(55, "agetty", 0, 0);
+  write("proc/55/cmdline", std::string("/sbin/agetty\0-o\0--\0ttyAMA00\0vt220", 34));
+  EXPECT_TRUE(all_well(examine())) << "another port's";
+  write("proc/55/cmdline", std::string("/sbin/agetty\0--keep-baud\0ttyAMA0\0vt220", 38));
+  expect("getty", Verdict::bad, "serial-getty@ttyAMA0");
+}
+
+TEST_F(Doctor, SeesASlowAdapter) {
+  write("sys/class/tty/ttyAMA0/device/latency_timer", "16");
+  expect("adapter", Verdict::bad, "/sys/class/tty/ttyAMA0/device/latency_timer");
+  write("sys/class/tty/ttyAMA0/device/latency_timer", "1");
+  EXPECT_TRUE(all_well(examine()));
+}
+
+}  // namespace
+}  // namespace cargobay::hal
