@@ -71,7 +71,9 @@ struct Example {
   Bytes bytes;
   std::string_view canonical{};  // empty: the text itself
 
-  friend void PrintTo(const Example& example, std::ostream* out) { *out << example.text; }
+  friend std::ostream& operator<<(std::ostream& out, const Example& example) {
+    return out << example.text;
+  }
 };
 
 class Examples : public testing::TestWithParam<Example> {};

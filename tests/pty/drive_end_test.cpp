@@ -128,7 +128,9 @@ struct Hazard {
   const char* name;
   void (*happen)(Device& device);
 
-  friend void PrintTo(const Hazard& hazard, std::ostream* out) { *out << hazard.name; }
+  friend std::ostream& operator<<(std::ostream& out, const Hazard& hazard) {
+    return out << hazard.name;
+  }
 };
 
 constexpr Hazard kCliff{"Cliff", [](Device& device) { device.inputs().cliff_left.cliff = true; }};
