@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kEnough = 50'000;  // changes that the reader has to see
 constexpr std::uint64_t kLeast = 100;      // the same where the two have to share a CPU
+constexpr int kMostGoes = 10;
 
 TEST(SetpointCell, IsAtRestUntilSomethingIsPut) {
   const SetpointCell cell;
@@ -82,18 +83,21 @@ bool is_caught(Cell& cell) {
   std::uint64_t changes = 0;
   double former = 0.0;
   bool caught = false;
-  test::contend(
-      [&] {
-        next = next % 499 + 1;
-        (void)cell.put({static_cast<double>(next), static_cast<double>(-next)});  // in range
-      },
-      [&] {
-        const WheelSpeeds speeds = cell.get().speeds;
-        caught = speeds.left_mm_s != -speeds.right_mm_s;
-        if (speeds.left_mm_s != former) ++changes;
-        former = speeds.left_mm_s;
-        return caught || changes >= kEnough;
-      });
+  // Starved by others the two may hardly meet in one go.
+  for (int i = 0; i < kMostGoes && !caught && changes < kLeast; ++i) {
+    test::contend(
+        [&] {
+          next = next % 499 + 1;
+          (void)cell.put({static_cast<double>(next), static_cast<double>(-next)});  // in range
+        },
+        [&] {
+          const WheelSpeeds speeds = cell.get().speeds;
+          caught = speeds.left_mm_s != -speeds.right_mm_s;
+          if (speeds.left_mm_s != former) ++changes;
+          former = speeds.left_mm_s;
+          return caught || changes >= kEnough;
+        });
+  }
   EXPECT_TRUE(caught || changes >= kLeast) << "only " << changes << " setpoints seen";
   return caught;
 }
