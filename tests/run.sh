@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs the tests; asks nothing, can be run again.
 # usage: tests/run.sh [--quick]
-#   --quick  dev build, the tests that are not slow, the layout check: under two minutes
+#   --quick  dev build, the tests that are not slow, the layout check: a minute or two once it is built
 # Without it: clang-tidy, the sanitizers for addresses, undefined behaviour, threads and real time,
 # fuzzing (a minute a target; CARGOBAY_FUZZ_SECONDS), the release build and the cross builds for the
 # Raspberry Pi too. Logs are in build/log.
@@ -125,6 +125,5 @@ for preset in asan tsan rtsan; do
 done
 if stage fuzz-build build fuzz; then stage fuzz-run fuzz || true; fi
 stage release-build build release || true
-# aarch64 was built twice by now, for the emulated Pi.
-stage armhf-build build armhf || true
+for preset in aarch64 armhf; do stage "$preset-build" build "$preset" || true; done
 finish
