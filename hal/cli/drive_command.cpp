@@ -2,7 +2,6 @@
 // reports.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -12,64 +11,25 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/connection.hpp"
 #include "hal/cli/drive_log.hpp"
+#include "hal/cli/drive_options.hpp"
 #include "hal/cli/drive_report.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/profile.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/sim_options.hpp"
 #include "hal/cli/velocity_plot.hpp"
 #include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/open_pins.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
-#include "oi/baud.hpp"
-#include "oi/limits.hpp"
 
 namespace cargobay::cli {
 namespace {
 
 constexpr double kRefresh = 0.1;  // seconds between two status lines
-constexpr int kPriority = 80;
-
-struct Options {
-  PortOptions connection{};
-  PinOptions pins{};
-  bool builtin = false;
-  std::string profile = "straight";
-  double speed_mm_s = 200.0;
-  double duration_s = 10.0;
-  bool open_loop = false;
-  bool full = false;
-  bool require_rt = false;
-  std::optional<int> priority{};
-  std::optional<int> cpu{};
-  std::string json_file;
-  std::string plot_file;
-  SimOptions sim{};
-};
-
-// What can be wrong with the values, found before anything moves.
-std::optional<hal::Failure> check(const Options& options) {
-  if (!(std::abs(options.speed_mm_s) <= oi::kMaxWheelSpeed)) {
-    return hal::Failure{
-        fmt::format("--speed {:g} is beyond the robot's -500 to 500 mm/s", options.speed_mm_s)};
-  }
-  const bool sensible = options.duration_s > 0.0 && options.duration_s <= 86400.0;  // false for NaN
-  if (!sensible) {
-    return hal::Failure{
-        fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
-  }
-  for (const std::string& file : {options.json_file, options.plot_file}) {
-    if (file.empty()) continue;
-    if (auto failure = check_writable(file)) return failure;
-  }
-  return std::nullopt;
-}
 
 // The control function: follows the profile, and asks the cycle to end when its time is over.
 struct Driver {
@@ -96,9 +56,10 @@ void print_status(const hal::CycleState& state, double duration_s) {
 }
 
 // Collects what the loop and the virtual Create tell, until the drive ends.
-class Recorder {
+class DriveFollower {
  public:
-  Recorder(hal::ControlCycle* cycle, hal::sim::Server* server) : cycle_{cycle}, server_{server} {}
+  DriveFollower(hal::ControlCycle* cycle, hal::sim::Server* server)
+      : cycle_{cycle}, server_{server} {}
 
   void collect() {
     hal::CycleState state;
@@ -109,44 +70,28 @@ class Recorder {
   std::vector<DriveSample> samples() const { return join(states_, truth_); }
 
  private:
-  hal::ControlCycle* cycle_;  // both outlive the recorder
+  hal::ControlCycle* cycle_;  // both outlive the follower
   hal::sim::Server* server_;
   std::vector<hal::CycleState> states_;
   std::vector<hal::sim::TruthSample> truth_;
 };
 
 // Returns the signal that ended the drive before its time.
-std::optional<int> follow(hal::Robot& robot, Recorder& recorder, StopSignals& signals,
+std::optional<int> follow(hal::Robot& robot, DriveFollower& follower, StopSignals& signals,
                           double duration_s) {
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
   while (!robot.ended() && !signal.has_value()) {
     signal = signals.wait(
         std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
-    recorder.collect();
-    if (live && !recorder.states().empty()) print_status(recorder.states().back(), duration_s);
+    follower.collect();
+    if (live && !follower.states().empty()) print_status(follower.states().back(), duration_s);
   }
   if (live) fmt::print("\r\033[K");
   return signal;
 }
 
-int priority(const Options& options, const hal::Config& config) {
-  return options.priority.value_or(config.priority.value_or(kPriority));
-}
-
-hal::RobotOptions robot_options(const Options& options, const hal::Config& config) {
-  hal::RobotOptions robot;
-  hal::apply(config, robot.cycle);
-  robot.cycle.loop.feedback =
-      options.open_loop ? rt::WheelLoop::Feedback::open : rt::WheelLoop::Feedback::closed;
-  robot.cycle.drive_mode = options.full ? oi::Mode::full : oi::Mode::safe;
-  robot.realtime = {.priority = priority(options, config),
-                    .cpu = options.cpu ? options.cpu : config.cpu};
-  robot.require_realtime = options.require_rt || config.require_realtime;
-  return robot;
-}
-
-std::string plot_title(const DriveReport& report, const Options& options) {
+std::string plot_title(const DriveReport& report, const DriveOptions& options) {
   return fmt::format(
       "{} at {:g} mm/s, {} loop, remainder {}: steady error {:.1f} / {:.1f} mm/s, tracking rms "
       "{:.1f} / {:.1f} mm/s (left / right)",
@@ -157,7 +102,7 @@ std::string plot_title(const DriveReport& report, const Options& options) {
 }
 
 // Files, as far as they can be written.
-std::optional<hal::Failure> save(const DriveReport& report, const Options& options,
+std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& options,
                                  const std::vector<DriveSample>& samples) {
   if (!options.json_file.empty()) {
     if (auto failure = write_file(options.json_file, json(report))) return failure;
@@ -180,7 +125,7 @@ std::string complaint(const hal::Robot::Farewell& farewell,
 }
 
 // Files, table, and the last word. Returns the exit code.
-int conclude(const DriveReport& report, const Options& options,
+int conclude(const DriveReport& report, const DriveOptions& options,
              const std::vector<DriveSample>& samples, const hal::Robot::Farewell& farewell,
              std::optional<int> signal) {
   const std::optional<hal::Failure> unsaved = save(report, options, samples);
@@ -202,7 +147,8 @@ struct Plant {
   hal::RobotPins pins() const { return create ? create->pins() : lines.pins(); }
 };
 
-hal::Result<Plant> find_plant(const Options& options, const hal::Config& config, int priority) {
+hal::Result<Plant> find_plant(const DriveOptions& options, const hal::Config& config,
+                              int priority) {
   Plant plant{.port = config.port};
   if (!options.builtin && !plant.port.empty()) {
     auto lines = hal::open_pins(config.pins);
@@ -219,7 +165,7 @@ hal::Result<Plant> find_plant(const Options& options, const hal::Config& config,
   return plant;
 }
 
-int drive(const Options& options) {
+int drive(const DriveOptions& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
@@ -254,14 +200,14 @@ int drive(const Options& options) {
   const auto grant = robot.start({.function = &Driver::control, .context = &driver});
   if (!grant) return fail(grant.failure());
 
-  Recorder recorder{&robot.cycle(), server};
-  const std::optional<int> signal = follow(robot, recorder, signals, options.duration_s);
+  DriveFollower follower{&robot.cycle(), server};
+  const std::optional<int> signal = follow(robot, follower, signals, options.duration_s);
   const hal::Robot::Farewell farewell = robot.stop();
-  recorder.collect();
+  follower.collect();
 
-  const std::vector<DriveSample> samples = recorder.samples();
+  const std::vector<DriveSample> samples = follower.samples();
   const hal::CycleState last =
-      recorder.states().empty() ? hal::CycleState{} : recorder.states().back();
+      follower.states().empty() ? hal::CycleState{} : follower.states().back();
   const DriveReport report{.port = plant->port,
                            .robot = server != nullptr ? "virtual Create" : "robot",
                            .baud = *config->baud,
@@ -279,46 +225,12 @@ int drive(const Options& options) {
 }  // namespace
 
 void add_drive(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DriveOptions>();
   CLI::App* command = app.add_subcommand(
       "drive",
       "Close the wheel-velocity loop on a robot and report how well it held.\n"
       "Without --port, drives a virtual Create of its own over a pseudo-terminal.");
-  add_port_options(*command, options->connection);
-  command->add_flag("--virtual", options->builtin,
-                    "Drive a virtual Create of its own, though the configuration names a port");
-  command
-      ->add_option("--profile", options->profile,
-                   "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
-                   "RIGHT_MM_S, repeated until the end")
-      ->capture_default_str();
-  command
-      ->add_option("--speed", options->speed_mm_s,
-                   "Wheel speed of the named profiles in mm/s, -500 to 500")
-      ->capture_default_str();
-  command->add_option("--duration", options->duration_s, "Seconds to drive")->capture_default_str();
-  command->add_flag("--open-loop", options->open_loop,
-                    "Send the set speeds as they are, to see what the loop is good for");
-  command->add_flag(
-      "--full", options->full,
-      "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
-  command->add_option("--json", options->json_file,
-                      "Write the results to this file; - for standard output");
-  command->add_option("--plot", options->plot_file,
-                      "Draw set, true, estimated and commanded speed to this SVG file");
-  command->add_flag("--require-rt", options->require_rt,
-                    "Fail if SCHED_FIFO or locked memory is refused");
-  command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop [80]")
-      ->check(CLI::Range(11, 98));
-  command->add_option("--cpu", options->cpu, "Pin the loop to this CPU");
-  add_pin_options(*command, options->pins);
-  add_sim_options(*command, options->sim);
-  command->footer(
-      "Examples:\n"
-      "  cargobay drive\n"
-      "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
-      "  cargobay drive --baud 19200\n"
-      "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300");
+  add_drive_options(*command, *options);
   command->callback([options, &chosen] { chosen = [options] { return drive(*options); }; });
 }
 

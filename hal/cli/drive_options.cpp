@@ -1,0 +1,89 @@
+#include "hal/cli/drive_options.hpp"
+
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "hal/cli/write_file.hpp"
+#include "oi/limits.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr int kPriority = 80;
+
+int priority(const DriveOptions& options, const hal::Config& config) {
+  return options.priority.value_or(config.priority.value_or(kPriority));
+}
+
+}  // namespace
+
+std::optional<hal::Failure> check(const DriveOptions& options) {
+  if (!(std::abs(options.speed_mm_s) <= oi::kMaxWheelSpeed)) {
+    return hal::Failure{
+        fmt::format("--speed {:g} is beyond the robot's -500 to 500 mm/s", options.speed_mm_s)};
+  }
+  const bool sensible = options.duration_s > 0.0 && options.duration_s <= 86400.0;  // false for NaN
+  if (!sensible) {
+    return hal::Failure{
+        fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
+  }
+  for (const std::string& file : {options.json_file, options.plot_file}) {
+    if (file.empty()) continue;
+    if (auto failure = check_writable(file)) return failure;
+  }
+  return std::nullopt;
+}
+
+hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config) {
+  hal::RobotOptions robot;
+  hal::apply(config, robot.cycle);
+  robot.cycle.loop.feedback =
+      options.open_loop ? rt::WheelLoop::Feedback::open : rt::WheelLoop::Feedback::closed;
+  robot.cycle.drive_mode = options.full ? oi::Mode::full : oi::Mode::safe;
+  robot.realtime = {.priority = priority(options, config),
+                    .cpu = options.cpu ? options.cpu : config.cpu};
+  robot.require_realtime = options.require_rt || config.require_realtime;
+  return robot;
+}
+
+void add_drive_options(CLI::App& command, DriveOptions& options) {
+  add_port_options(command, options.connection);
+  command.add_flag("--virtual", options.builtin,
+                   "Drive a virtual Create of its own, though the configuration names a port");
+  command
+      .add_option("--profile", options.profile,
+                  "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
+                  "RIGHT_MM_S, repeated until the end")
+      ->capture_default_str();
+  command
+      .add_option("--speed", options.speed_mm_s,
+                  "Wheel speed of the named profiles in mm/s, -500 to 500")
+      ->capture_default_str();
+  command.add_option("--duration", options.duration_s, "Seconds to drive")->capture_default_str();
+  command.add_flag("--open-loop", options.open_loop,
+                   "Send the set speeds as they are, to see what the loop is good for");
+  command.add_flag(
+      "--full", options.full,
+      "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
+  command.add_option("--json", options.json_file,
+                     "Write the results to this file; - for standard output");
+  command.add_option("--plot", options.plot_file,
+                     "Draw set, true, estimated and commanded speed to this SVG file");
+  command.add_flag("--require-rt", options.require_rt,
+                   "Fail if SCHED_FIFO or locked memory is refused");
+  command.add_option("--priority", options.priority, "SCHED_FIFO priority of the loop [80]")
+      ->check(CLI::Range(11, 98));
+  command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
+  add_pin_options(command, options.pins);
+  add_sim_options(command, options.sim);
+  command.footer(
+      "Examples:\n"
+      "  cargobay drive\n"
+      "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
+      "  cargobay drive --baud 19200\n"
+      "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300");
+}
+
+}  // namespace cargobay::cli

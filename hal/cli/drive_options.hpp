@@ -1,0 +1,46 @@
+// What `cargobay drive` is told: its options, whether they make sense, and what they mean for the
+// robot.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hal/cli/connection.hpp"
+#include "hal/cli/sim_options.hpp"
+#include "hal/config.hpp"
+#include "hal/result.hpp"
+#include "hal/robot.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cargobay::cli {
+
+struct DriveOptions {
+  PortOptions connection{};
+  PinOptions pins{};
+  bool builtin = false;
+  std::string profile = "straight";
+  double speed_mm_s = 200.0;
+  double duration_s = 10.0;
+  bool open_loop = false;
+  bool full = false;
+  bool require_rt = false;
+  std::optional<int> priority{};
+  std::optional<int> cpu{};
+  std::string json_file;
+  std::string plot_file;
+  SimOptions sim{};
+};
+
+// `options` outlives the parsing.
+void add_drive_options(CLI::App& command, DriveOptions& options);
+
+// What can be wrong with the values, found before anything moves.
+std::optional<hal::Failure> check(const DriveOptions& options);
+
+// The robot as options and configuration want it; without its pins.
+hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config);
+
+}  // namespace cargobay::cli
