@@ -65,6 +65,17 @@ class Suite:
             if not package.exists():
                 keep(package, download(f"{MIRROR}/{path}"))
             subprocess.run(["dpkg-deb", "-x", package, folder], check=True)
+        keep_links_inside(folder)
+
+
+def keep_links_inside(folder: Path) -> None:
+    """A link to /lib/... means the folder's own: followed as it stands it would leave the folder, and a
+    program be linked with a library of the machine that builds it."""
+    for path in folder.rglob("*"):
+        if path.is_symlink() and path.readlink().is_absolute():
+            target = folder / path.readlink().relative_to("/")
+            path.unlink()
+            path.symlink_to(os.path.relpath(target, path.parent))
 
 
 def keep(path: Path, content: bytes) -> None:
