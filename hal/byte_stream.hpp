@@ -13,6 +13,8 @@
 
 namespace cargobay::hal {
 
+class PortLock;
+
 class ByteStream {
  public:
   ByteStream() = default;
@@ -38,6 +40,14 @@ class ByteStream {
   // Queues all of `bytes` or, where the queue is full, the first of them; does not block.
   virtual Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING = 0;
   virtual rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING = 0;
+
+  // The terminal that the bytes go through, for a guard to share (hal/guard.hpp); -1 where there is
+  // none.
+  struct Terminal {
+    int descriptor = -1;
+    const PortLock* lock = nullptr;
+  };
+  virtual Terminal terminal() const { return {}; }
 
   // For set-up and shutdown; these may block and allocate.
   virtual std::uint32_t baud() const = 0;

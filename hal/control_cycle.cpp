@@ -58,6 +58,7 @@ CycleEnd ControlCycle::run() noexcept CARGOBAY_NONBLOCKING {
 ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   const ByteStream::Wait woken = stream_.wait(wake_time());
   const rt::TimePoint now = stream_.now();
+  if (!guard_.beat(now)) return end(CycleEnd::guarded);
   if (woken == ByteStream::Wait::hung_up) return end(CycleEnd::hung_up);
 
   // Also after a time-out: fewer bytes than a frame may be there, and must not stay behind.
@@ -246,13 +247,16 @@ ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command,
     whole = whole && list.has_value() && answer.append(*list);
   }
   last_command_ = stream_.now();
+  if (!guard_.begin_write(answer.size())) return Sent::withheld;  // the next pass ends the cycle
   const ByteStream::Transfer transfer = stream_.write(answer);
   if (transfer.error != 0 && transfer.error != EAGAIN) return Sent::failed;
-  return whole && transfer.count == answer.size() ? Sent::whole : Sent::not_whole;
+  if (!whole || transfer.count != answer.size()) return Sent::not_whole;
+  guard_.end_write();
+  return Sent::whole;
 }
 
 void ControlCycle::stop_wheels() noexcept CARGOBAY_NONBLOCKING {
-  if (end_ == CycleEnd::hung_up) return;
+  if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;
   // In Passive it would not obey, and was reported to spoil the next start.
   const bool obeys = sensors_.mode() == oi::Mode::safe || sensors_.mode() == oi::Mode::full;
   if (end_ == CycleEnd::mode_lost && !obeys) return;

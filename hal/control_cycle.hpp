@@ -12,6 +12,7 @@
 
 #include "hal/byte_stream.hpp"
 #include "hal/frame_lists.hpp"
+#include "hal/guard_mark.hpp"
 #include "oi/command_table.hpp"
 #include "oi/fixed_list.hpp"
 #include "oi/sensors.hpp"
@@ -31,6 +32,7 @@ enum class CycleEnd : std::uint8_t {
   link_lost,  // no frame for longer than link_timeout
   mode_lost,  // the robot left the mode it was driven in: cliff, wheel drop, charger, or its button
   hung_up,    // the port is gone, or takes nothing any more
+  guarded,    // the cycle stood still for so long that its guard stopped the robot
 };
 
 // One tick of the loop, as others see it.
@@ -79,6 +81,9 @@ class ControlCycle {
 
   // To be set before run(). Without one, the latest setpoint is followed.
   void set_control(const ControlFunction& control) { control_ = control; }
+
+  // To be set before run(); what the mark is of outlives it. Without one nobody watches.
+  void set_guard(const GuardMark& guard) { guard_ = guard; }
 
   // Runs until something ends it. The last thing it sends, where the robot still listens, is
   // DriveDirect 0 0; the mode stays as it is. Once only.
@@ -139,6 +144,7 @@ class ControlCycle {
   rt::Duration frame_time_;    // on the wire
   rt::Duration command_time_;  // the same
   ControlFunction control_{};
+  GuardMark guard_{};
   rt::WheelLoop loop_;
   rt::TickClock ticks_;
   oi::StreamDecoder decoder_{};

@@ -25,6 +25,7 @@ class PortLock {
 
   int descriptor() const { return descriptor_; }
   const termios& found() const { return found_; }
+  std::optional<std::uint32_t> found_speed() const { return found_speed_; }
   // For a library that opens the port itself: not locked any more, until hand_over(). libserialport
   // locks by flock() too, from 0.1.2 on, and would find us in its way.
   void let_go() const;

@@ -50,10 +50,14 @@ Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
 
 Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   cycle_->set_control(control);
+  if (const auto failure = start_guard()) {
+    (void)stop();  // the failure is what matters
+    return *failure;
+  }
   // The thread waits for the verdict: without the rights required the robot never moves.
   rt::RealtimeGrant grant = thread_.start(options_.realtime, [this] {
     verdict_.wait(Verdict::pending, std::memory_order_acquire);
-    if (verdict_.load(std::memory_order_acquire) == Verdict::run) farewell_.end = cycle_->run();
+    if (verdict_.load(std::memory_order_acquire) == Verdict::run) run();
     ended_.store(true, std::memory_order_release);
   });
   if (!thread_.running()) {
@@ -69,13 +73,37 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   return grant;
 }
 
+std::optional<Failure> Robot::start_guard() {
+  const ByteStream::Terminal terminal = stream_->terminal();
+  if (terminal.descriptor < 0 || options_.guard.use == GuardOptions::Use::none) return std::nullopt;
+  auto guard = Guard::start(terminal, options_.guard, options_.realtime.priority);
+  if (!guard) return guard.failure();
+  guard_ = std::move(*guard);
+  cycle_->set_guard(guard_->mark());
+  return std::nullopt;
+}
+
+// On the control thread.
+void Robot::run() {
+  if (guard_) guard_->begin_driving();
+  farewell_.end = cycle_->run();
+  if (guard_) guard_->end_driving();
+}
+
 Robot::Farewell Robot::stop() {
   if (std::exchange(left_, true)) return farewell_;
   cycle_->request_stop();
   thread_.join();
   (void)stream_->set_wake_threshold(
       1);  // leave() reads single bytes; where this fails it times out
-  if (farewell_.end != CycleEnd::hung_up) farewell_.confirmed_passive = leave(*stream_);
+  farewell_.guard_lost = guard_ && farewell_.end != CycleEnd::guarded && guard_lost();
+  if (guard_ && guard_->took_robot()) {
+    farewell_.end = CycleEnd::guarded;
+    farewell_.confirmed_passive = guard_->confirmed_passive();
+  } else if (farewell_.end != CycleEnd::hung_up) {
+    farewell_.confirmed_passive = leave(*stream_);
+  }
+  if (guard_) guard_->release();
   return farewell_;
 }
 
@@ -90,6 +118,10 @@ std::string explain(CycleEnd end) {
              "button; set it on its wheels, unplug the charger, then start again";
     case CycleEnd::hung_up:
       return "the port hung up: unplugged, or the virtual Create ended; plug it in and start again";
+    case CycleEnd::guarded:
+      return "the loop stood still for too long, and its guard stopped the robot: the program was "
+             "suspended, its control function did not return, or others took the CPU; see: "
+             "cargobay doctor";
   }
   return "";
 }

@@ -8,6 +8,7 @@
 #include "hal/bring_up.hpp"
 #include "hal/byte_stream.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/guard.hpp"
 #include "hal/result.hpp"
 #include "rt/realtime.hpp"
 
@@ -17,6 +18,7 @@ struct RobotOptions {
   ControlCycle::Parameters cycle{};
   rt::RealtimeRequest realtime{};
   bool require_realtime = false;  // what the kernel refuses is a failure, not a remark
+  GuardOptions guard{};           // of a robot behind a terminal; in virtual time nobody dies
   // For the bring-up, as in BringUpRequest; the pins are not touched after open().
   RobotPins pins{};
   std::function<void(const BringUpEvent&)> progress{};
@@ -35,15 +37,19 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  // Starts the real-time thread, once. A failure leaves the robot standing.
+  // Starts the guard and the real-time thread, once. A failure leaves the robot standing.
   Result<rt::RealtimeGrant> start(const ControlFunction& control);
   // The running cycle: state, setpoints, request_stop().
   ControlCycle& cycle() { return *cycle_; }
   const BringUpReport& bring_up_report() const { return report_; }
+  // The guard's process has died, and nobody would stop the robot in our place. Whoever waits for
+  // the end asks this now and then; one system call.
+  bool guard_lost() const { return guard_ && !guard_->alive(); }
 
   struct Farewell {
     CycleEnd end = CycleEnd::asked;
     bool confirmed_passive = false;  // the robot itself said so
+    bool guard_lost = false;         // it was driven without, for a while
   };
   // Ends the cycle and its thread, stops the wheels, goes Passive. Blocks for up to 1 s.
   Farewell stop();
@@ -53,11 +59,14 @@ class Robot {
  private:
   Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
         const BringUpReport& report);
+  std::optional<Failure> start_guard();
+  void run();
 
   std::unique_ptr<ByteStream> stream_;  // outlives cycle_
   RobotOptions options_;
   BringUpReport report_;
   std::unique_ptr<ControlCycle> cycle_;
+  std::unique_ptr<Guard> guard_;
   rt::RealtimeThread thread_;
   enum class Verdict : std::uint8_t { pending, run, refused };
   std::atomic<Verdict> verdict_{Verdict::pending};  // on what the kernel granted

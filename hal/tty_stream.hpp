@@ -18,6 +18,7 @@ class TtyStream : public ByteStream {
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
   rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
 
+  Terminal terminal() const override { return {.descriptor = descriptor_, .lock = lock_.get()}; }
   std::uint32_t baud() const override { return baud_; }
   std::error_code set_baud(std::uint32_t baud) override;
   std::error_code set_wake_threshold(std::size_t bytes) override;

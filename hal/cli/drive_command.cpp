@@ -81,7 +81,7 @@ std::optional<int> follow(hal::Robot& robot, DriveFollower& follower, StopSignal
                           double duration_s) {
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
-  while (!robot.ended() && !signal.has_value()) {
+  while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
     signal = signals.wait(
         std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
     follower.collect();
@@ -117,6 +117,11 @@ std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& 
 std::string complaint(const hal::Robot::Farewell& farewell,
                       const std::optional<hal::Failure>& unsaved) {
   if (farewell.end != hal::CycleEnd::asked) return hal::explain(farewell.end);
+  if (farewell.guard_lost) {
+    return "the guard process died, so the robot was stopped; find out who killed it (dmesg tells "
+           "of "
+           "memory running out), then start again";
+  }
   if (!farewell.confirmed_passive) {
     return "the robot was told to stop and go Passive, but did not confirm; look at it, and press "
            "its power button if it moves";

@@ -12,6 +12,8 @@ namespace cargobay::cli {
 namespace {
 
 constexpr int kPriority = 80;
+constexpr double kLeastDeadlineMs = 1000.0 * rt::seconds(hal::Guard::kLeastDeadline);
+constexpr double kMostDeadlineMs = 10000.0;
 
 int priority(const DriveOptions& options, const hal::Config& config) {
   return options.priority.value_or(config.priority.value_or(kPriority));
@@ -29,6 +31,12 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
     return hal::Failure{
         fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
   }
+  const bool patient = options.guard_deadline_ms >= kLeastDeadlineMs &&
+                       options.guard_deadline_ms <= kMostDeadlineMs;  // false for NaN
+  if (!patient) {
+    return hal::Failure{fmt::format("--guard-deadline {:g} is not from {:g} to {:g} ms",
+                                    options.guard_deadline_ms, kLeastDeadlineMs, kMostDeadlineMs)};
+  }
   for (const std::string& file : {options.json_file, options.plot_file}) {
     if (file.empty()) continue;
     if (auto failure = check_writable(file)) return failure;
@@ -45,6 +53,10 @@ hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& 
   robot.realtime = {.priority = priority(options, config),
                     .cpu = options.cpu ? options.cpu : config.cpu};
   robot.require_realtime = options.require_rt || config.require_realtime;
+  robot.guard.use =
+      options.no_guard ? hal::GuardOptions::Use::none : hal::GuardOptions::Use::required;
+  robot.guard.deadline = std::chrono::duration_cast<rt::Duration>(
+      std::chrono::duration<double, std::milli>{options.guard_deadline_ms});
   return robot;
 }
 
@@ -73,6 +85,14 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
                      "Draw set, true, estimated and commanded speed to this SVG file");
   command.add_flag("--require-rt", options.require_rt,
                    "Fail if SCHED_FIFO or locked memory is refused");
+  command
+      .add_option("--guard-deadline", options.guard_deadline_ms,
+                  "Milliseconds without a sign of life of the loop, after which the guard process "
+                  "stops the robot, 40 to 10000")
+      ->capture_default_str();
+  command.add_flag(
+      "--no-guard", options.no_guard,
+      "Drive without the guard process: if this program dies the wheels go on turning");
   command.add_option("--priority", options.priority, "SCHED_FIFO priority of the loop [80]")
       ->check(CLI::Range(11, 98));
   command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");

@@ -27,6 +27,8 @@ struct DriveOptions {
   bool open_loop = false;
   bool full = false;
   bool require_rt = false;
+  bool no_guard = false;
+  double guard_deadline_ms = 150.0;
   std::optional<int> priority{};
   std::optional<int> cpu{};
   std::string json_file;

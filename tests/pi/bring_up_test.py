@@ -80,8 +80,8 @@ def build(suite: Suite, name: str, folder: Path) -> tuple[Path, list[Path]]:
          f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
          "-DCMAKE_BUILD_TYPE=Release", "-DCARGOBAY_WERROR=ON"]
     )  # fmt: skip
-    run_quietly(["cmake", "--build", target, "--target", "cargobay", *TESTS])
-    return root, [target / "cargobay", *(target / "tests" / test for test in TESTS)]
+    run_quietly(["cmake", "--build", target, "--target", "cargobay", "cargobay_guard", *TESTS])
+    return root, [target / "cargobay", target / "cargobay-guard", *(target / "tests" / test for test in TESTS)]
 
 
 def lows(pi: EmulatedPi, since: float) -> list[float]:
@@ -192,6 +192,22 @@ def recovers_from_a_kill(pi: EmulatedPi, robot: VirtualCreate) -> None:
     check(pi.levels[BRC], "the pin is released")
 
 
+def is_stopped_by_its_guard(pi: EmulatedPi, robot: VirtualCreate) -> None:
+    print("SIGKILL in the middle of a drive")
+    pi.start(f"cargobay drive {OPTIONS} --duration 60 > /tmp/killed.txt 2>&1 & echo")
+    pi.end(10)
+    deadline = time.monotonic() + 60
+    while robot.state()["commanded_mm_s"]["left"] == 0 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    check(robot.state()["commanded_mm_s"]["left"] != 0, "it drives")
+    pi.run("killall -KILL cargobay; sleep 1")
+    state = robot.state()
+    check(all(speed == 0 for speed in state["commanded_mm_s"].values()), "the wheels are stopped")
+    check(state["mode"] == "passive", f"the robot is in mode {state['mode']}")
+    code, text = pi.run(f"cargobay bringup {OPTIONS}", 90)
+    check(code == 0, "the port is free for the next", text)
+
+
 def says_what_is_wrong(pi: EmulatedPi, _robot: VirtualCreate) -> None:
     print("lines that are not to be had")
     command = "cargobay bringup --port /dev/ttyAMA0 --baud 19200"
@@ -233,7 +249,7 @@ def main() -> int:
             pi.booted()
             print(f"booted {kernel.name} with the user space of {name} in {time.monotonic() - begin:.1f} s")
             for scenario in (passes_its_tests, brings_up_at_19200, drives_at_19200, recovers_from_a_kill,
-                             says_what_is_wrong):
+                             is_stopped_by_its_guard, says_what_is_wrong):
                 scenario(pi, robot)
             print(f"rates of the PL011: {pi.rates}")
         finally:

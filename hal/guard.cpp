@@ -1,0 +1,212 @@
+#include "hal/guard.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <new>
+#include <utility>
+
+#include "hal/port_lock.hpp"
+
+#ifndef CARGOBAY_GUARD_INSTALLED
+#define CARGOBAY_GUARD_INSTALLED "/usr/libexec/cargobay-guard"
+#endif
+
+namespace cargobay::hal {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr const char* kProgram = "cargobay-guard";
+constexpr milliseconds kReadyTimeout{2000};
+constexpr milliseconds kEndTimeout{1000};
+constexpr milliseconds kNap{1};
+constexpr int kAboveTheLoop = 10;
+constexpr int kMostPriority = 98;  // 99 is for those without whom the kernel stands still
+
+void nap() {
+  const timespec pause{.tv_sec = 0, .tv_nsec = rt::Duration{kNap}.count()};
+  nanosleep(&pause, nullptr);
+}
+
+bool may_run(const fs::path& path) { return access(path.c_str(), X_OK) == 0; }
+
+// Empty where there is none.
+std::string find_program(const std::string& wanted) {
+  if (!wanted.empty()) return wanted;
+  if (const char* named = std::getenv("CARGOBAY_GUARD"); named != nullptr && *named != '\0') {
+    return named;
+  }
+  std::error_code error;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const fs::path& path :
+       {folder / kProgram, folder / ".." / kProgram, fs::path{CARGOBAY_GUARD_INSTALLED}}) {
+    if (may_run(path)) return path.string();
+  }
+  return "";
+}
+
+Failure no_guard(const std::string& why) {
+  return {
+      "the robot would have no guard, and its wheels would go on turning if this program died: " +
+      why};
+}
+
+void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& options, int priority) {
+  block.owner = getpid();
+  block.priority = priority > 0 ? std::min(priority + kAboveTheLoop, kMostPriority) : 0;
+  block.deadline_ns = options.deadline.count();
+  block.found = lock.found();
+  block.found_baud = lock.found_speed().value_or(0);
+  pthread_mutexattr_t attributes;
+  pthread_mutexattr_init(&attributes);
+  pthread_mutexattr_setpshared(&attributes, PTHREAD_PROCESS_SHARED);
+  pthread_mutexattr_setrobust(&attributes, PTHREAD_MUTEX_ROBUST);
+  pthread_mutex_init(&block.alive, &attributes);
+  pthread_mutexattr_destroy(&attributes);
+}
+
+// Returns an errno. The child's descriptors are those of the block and of the port alone.
+int spawn(const std::string& program, int port, int block, pid_t& process) {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_adddup2(&files, port, GuardBlock::kPort);
+  posix_spawn_file_actions_adddup2(&files, block, GuardBlock::kBlock);
+  posix_spawn_file_actions_addclosefrom_np(&files, GuardBlock::kBlock + 1);
+  sigset_t all;
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &all);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSID);
+  std::array<char, 16> name{"cargobay-guard"};
+  std::array<char*, 2> arguments{name.data(), nullptr};
+  const int error =
+      posix_spawn(&process, program.c_str(), &files, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  return error;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Guard>> Guard::start(const ByteStream::Terminal& terminal,
+                                            const GuardOptions& options, int priority) {
+  const std::string program = find_program(options.program);
+  if (program.empty()) {
+    return no_guard(std::string{"there is no "} + kProgram +
+                    "; install it, or name it in CARGOBAY_GUARD");
+  }
+  // Above the numbers that the child gives them, so that neither overwrites the other.
+  constexpr int kHigh = 16;
+  const int shared = memfd_create(kProgram, MFD_CLOEXEC);
+  const int block_file = shared < 0 ? -1 : fcntl(shared, F_DUPFD_CLOEXEC, kHigh);
+  const int port = fcntl(terminal.descriptor, F_DUPFD_CLOEXEC, kHigh);
+  const auto close_all = [&] {
+    for (const int descriptor : {shared, block_file, port}) {
+      if (descriptor >= 0) close(descriptor);
+    }
+  };
+  void* memory = MAP_FAILED;
+  if (block_file >= 0 && port >= 0 && ftruncate(block_file, sizeof(GuardBlock)) == 0) {
+    memory = mmap(nullptr, sizeof(GuardBlock), PROT_READ | PROT_WRITE, MAP_SHARED, block_file, 0);
+  }
+  if (memory == MAP_FAILED) {
+    const std::error_code error{errno, std::generic_category()};
+    close_all();
+    return no_guard(error.message());
+  }
+  std::unique_ptr<Guard> guard{new Guard{new (memory) GuardBlock}};
+  prepare(*guard->block_, *terminal.lock, options, priority);
+  const int error = spawn(program, port, block_file, guard->process_);
+  close_all();
+  if (error != 0) {
+    guard->process_ = -1;
+    return no_guard("cannot start " + program + ": " + std::generic_category().message(error));
+  }
+  if (!guard->wait_until_ready()) {
+    return no_guard(program + " does not start; is it of another version than this program?");
+  }
+  return guard;
+}
+
+Guard::~Guard() {
+  release();
+  munmap(block_, sizeof(GuardBlock));
+}
+
+bool Guard::wait_until_ready() const {
+  const rt::TimePoint limit = rt::Clock::now() + kReadyTimeout;
+  while (!block_->ready.load(std::memory_order_acquire)) {
+    if (!alive() || rt::Clock::now() >= limit) return false;
+    nap();
+  }
+  return true;
+}
+
+void Guard::begin_driving() {
+  pthread_mutex_lock(&block_->alive);
+  block_->beat_ns.store(rt::nanoseconds(rt::Clock::now()), std::memory_order_relaxed);
+  GuardState expected = GuardState::standing_by;
+  // The guard may have taken it from an owner that it found dead.
+  block_->state.compare_exchange_strong(expected, GuardState::driving);
+}
+
+void Guard::end_driving() {
+  GuardState expected = GuardState::driving;
+  block_->state.compare_exchange_strong(expected, GuardState::leaving);
+  pthread_mutex_unlock(&block_->alive);
+}
+
+bool Guard::took_robot() {
+  if (block_->state.load(std::memory_order_acquire) != GuardState::taken) return false;
+  collect();
+  return true;
+}
+
+bool Guard::confirmed_passive() const {
+  return block_->confirmed_passive.load(std::memory_order_acquire);
+}
+
+void Guard::release() {
+  GuardState expected = block_->state.load(std::memory_order_acquire);
+  while (expected != GuardState::taken &&
+         !block_->state.compare_exchange_weak(expected, GuardState::released)) {
+  }
+  collect();
+}
+
+// It looks at its state every 20 ms; one that does not end is killed.
+void Guard::collect() {
+  const rt::TimePoint limit = rt::Clock::now() + kEndTimeout;
+  while (process_ > 0 && alive()) {
+    if (rt::Clock::now() >= limit) kill(process_, SIGKILL);
+    nap();
+  }
+  // Somebody who collects all children may have been faster.
+  if (process_ > 0) (void)waitpid(process_, nullptr, 0);
+  process_ = -1;
+}
+
+bool Guard::alive() const {
+  siginfo_t ended{};
+  if (process_ <= 0) return false;
+  const int result =
+      waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT);
+  return result == 0 && ended.si_pid == 0;
+}
+
+bool Guard::has_fifo() const { return block_->has_fifo.load(std::memory_order_relaxed); }
+
+}  // namespace cargobay::hal

@@ -1,0 +1,57 @@
+// The memory that the control thread and its guard share. Written by the owner of the robot, but
+// for what says otherwise; both are of one build (kVersion).
+#pragma once
+
+#include <pthread.h>
+#include <sys/types.h>
+#include <termios.h>
+
+#include <atomic>
+#include <cstdint>
+
+namespace cargobay::hal {
+
+// Who has the robot. From `released` and `taken` there is no way back.
+enum class GuardState : std::uint32_t {
+  standing_by,  // nothing is driven yet
+  driving,      // by a thread that holds `alive` and beats
+  leaving,      // by the owner: wheels stopped, on its way to Passive
+  released,     // left in Passive: the guard ends
+  taken,        // by the guard: the owner sends nothing any more
+};
+
+enum class GuardFinding : std::uint32_t { nothing, owner_died, owner_hung };
+
+struct GuardBlock {
+  // Changes with each change of this structure.
+  static constexpr std::uint64_t kVersion = 0x63617267'6f626102;
+  // What the guard finds open.
+  static constexpr int kPort = 3;
+  static constexpr int kBlock = 4;
+
+  std::uint64_t version = kVersion;
+  pid_t owner = 0;
+  std::int32_t priority = 0;     // SCHED_FIFO; 0: none
+  std::int64_t deadline_ns = 0;  // between two beats
+  termios found{};               // how the port was found, and is to be left
+  std::uint32_t found_baud = 0;  // 0 where it is in `found`
+
+  // Robust and shared between processes. Held by the control thread while it drives: the kernel
+  // tells whoever waits for it that the thread is no more, before it takes the process's memory
+  // apart (futex(2), robust_list).
+  pthread_mutex_t alive{};
+  std::atomic<GuardState> state{GuardState::standing_by};
+  std::atomic<std::int64_t> beat_ns{0};  // CLOCK_MONOTONIC
+  // Bytes that are being written: the robot may have got a part of them.
+  std::atomic<std::uint32_t> in_writing{0};
+
+  // By the guard.
+  std::atomic<bool> ready{false};
+  std::atomic<bool> has_fifo{false};
+  std::atomic<GuardFinding> finding{GuardFinding::nothing};
+  std::atomic<bool> confirmed_passive{false};
+};
+static_assert(std::atomic<GuardState>::is_always_lock_free);
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+
+}  // namespace cargobay::hal
