@@ -45,9 +45,9 @@ bool may_run(const fs::path& path) { return access(path.c_str(), X_OK) == 0; }
 // Empty where there is none.
 std::string find_program(const std::string& wanted) {
   if (!wanted.empty()) return wanted;
-  if (const char* named = std::getenv("CARGOBAY_GUARD"); named != nullptr && *named != '\0') {
-    return named;
-  }
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): of those that only read
+  const char* const named = std::getenv("CARGOBAY_GUARD");
+  if (named != nullptr && *named != '\0') return named;
   std::error_code error;
   const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
   for (const fs::path& path :

@@ -62,6 +62,7 @@ class Victim {
                                    std::string{name(way)}, port,
                                    std::to_string(frames), std::to_string(deadline.count())};
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     if (posix_spawn(&process_, "/proc/self/exe", &files, nullptr, arguments.data(), environ) != 0) {
@@ -207,7 +208,8 @@ struct Deed {
 
 void say_now() {
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.begin(), text.end(), rt::nanoseconds(rt::Clock::now())).ptr;
+  const char* const end =
+      std::to_chars(text.begin(), text.end(), rt::nanoseconds(rt::Clock::now())).ptr;
   (void)write(STDOUT_FILENO, text.data(), static_cast<std::size_t>(end - text.data()));
 }
 

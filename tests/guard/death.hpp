@@ -19,7 +19,7 @@ enum class Way : std::uint8_t { kill, segv, abort, stop, endless };
 inline constexpr std::array kWays{Way::kill, Way::segv, Way::abort, Way::stop, Way::endless};
 
 std::string_view name(Way way);
-std::optional<Way> find_way(std::string_view name);
+std::optional<Way> find_way(std::string_view wanted);
 // Whether the program lives on, and only its loop stands still.
 bool is_hang(Way way);
 

@@ -71,7 +71,11 @@ bool run_way(Way way, const Plan& plan) {
   std::mutex mutex;
   std::atomic<int> left{plan.deaths};
   std::vector<std::thread> lanes;
-  for (int lane = 0; lane < plan.lanes; ++lane) {
+  // One that spins takes a processor; the kernel needs another to hand over what a pseudo-terminal
+  // carries.
+  const int count = way == Way::endless ? 1 : plan.lanes;
+  lanes.reserve(static_cast<std::size_t>(count));
+  for (int lane = 0; lane < count; ++lane) {
     lanes.emplace_back([&, lane] { run_lane(way, lane, left, mutex, result); });
   }
   for (std::thread& lane : lanes) lane.join();
@@ -95,16 +99,24 @@ int usage() {
   return 2;
 }
 
+// 0 where the text is none: no option takes that.
+template <typename Number>
+Number number(const std::string& text) {
+  Number value = 0;
+  (void)std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
 std::optional<Plan> parse(const std::vector<std::string>& words) {
   Plan plan;
   for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
     const std::string& value = words[i + 1];
     if (words[i] == "--deaths") {
-      plan.deaths = std::atoi(value.c_str());
+      plan.deaths = number<int>(value);
     } else if (words[i] == "--lanes") {
-      plan.lanes = std::atoi(value.c_str());
+      plan.lanes = number<int>(value);
     } else if (words[i] == "--judge") {
-      plan.judge_ms = std::atof(value.c_str());
+      plan.judge_ms = number<double>(value);
     } else if (const auto way = find_way(value); words[i] == "--way" && way) {
       plan.ways.push_back(*way);
     } else {
@@ -118,8 +130,8 @@ std::optional<Plan> parse(const std::vector<std::string>& words) {
 
 int run(const std::vector<std::string>& words) {
   if (words.size() == 5 && words[0] == "--victim") {
-    return be_victim(find_way(words[1]).value_or(Way::kill), words[2], std::atoi(words[3].c_str()),
-                     rt::Duration{std::atoll(words[4].c_str())});
+    return be_victim(find_way(words[1]).value_or(Way::kill), words[2], number<int>(words[3]),
+                     rt::Duration{number<std::int64_t>(words[4])});
   }
   const auto plan = parse(words);
   if (!plan) return usage();

@@ -19,9 +19,6 @@
 namespace cargobay::test {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-
 class GuardTest : public DriveTest {
  protected:
   bool is_stopped() const {
@@ -147,7 +144,7 @@ TEST_F(GuardTest, IsMissedWhereItDies) {
   ASSERT_TRUE(starts_to_move());
   const std::string children = contents("/proc/" + std::to_string(command.process()) + "/task/" +
                                         std::to_string(command.process()) + "/children");
-  const pid_t guard = std::atoi(children.c_str());
+  const auto guard = static_cast<pid_t>(std::strtol(children.c_str(), nullptr, 10));
   ASSERT_GT(guard, 0) << children;
   kill(guard, SIGKILL);
   EXPECT_EQ(command.exit_code(), 1);
@@ -157,7 +154,7 @@ TEST_F(GuardTest, IsMissedWhereItDies) {
 }
 
 TEST_F(GuardTest, IsNotDoneWithout) {
-  setenv("CARGOBAY_GUARD", "/nonexistent", 1);
+  setenv("CARGOBAY_GUARD", "/nonexistent", 1);  // NOLINT(concurrency-mt-unsafe): one thread asks
   Command command{drive({"--duration", "0.3"})};
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.err(), OneErrorLine("would have no guard"));
@@ -165,7 +162,7 @@ TEST_F(GuardTest, IsNotDoneWithout) {
   EXPECT_EQ(mode(), oi::Mode::passive);
   Command on_its_own_risk{drive({"--duration", "0.3", "--no-guard"})};
   EXPECT_EQ(on_its_own_risk.exit_code(), 0) << on_its_own_risk.err();
-  unsetenv("CARGOBAY_GUARD");
+  unsetenv("CARGOBAY_GUARD");  // NOLINT(concurrency-mt-unsafe): as above
 }
 
 TEST_F(GuardTest, RefusesADeadlineThatTheLoopCannotKeep) {
@@ -177,6 +174,7 @@ TEST_F(GuardTest, RefusesADeadlineThatTheLoopCannotKeep) {
 }
 
 TEST(GuardProgram, DoesNothingByHand) {
+  // NOLINTNEXTLINE(bugprone-command-processor,concurrency-mt-unsafe): a fixed text
   const int status = std::system(CARGOBAY_BINARY_DIR "/cargobay-guard 2> /dev/null");
   EXPECT_EQ(WEXITSTATUS(status), 2);
 }
