@@ -1,5 +1,7 @@
 #include "hal/pty_transport.hpp"
 
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 
 #include <cerrno>
@@ -10,6 +12,10 @@
 
 namespace cargobay::hal {
 namespace {
+
+// The kernel's numbers for the slave sides of pseudo-terminals (Documentation/admin-guide/devices).
+constexpr unsigned kFirstPtyMajor = 136;
+constexpr unsigned kLastPtyMajor = 143;
 
 class PtyTransport final : public TtyStream {
  public:
@@ -34,6 +40,12 @@ int set_raw(const PortLock& port) {
 }
 
 }  // namespace
+
+bool is_pty(const std::string& path) {
+  struct stat file{};
+  if (stat(path.c_str(), &file) != 0 || !S_ISCHR(file.st_mode)) return false;
+  return major(file.st_rdev) >= kFirstPtyMajor && major(file.st_rdev) <= kLastPtyMajor;
+}
 
 Result<std::unique_ptr<ByteStream>> open_pty(const std::string& path, std::uint32_t baud) {
   auto lock = PortLock::take(path);

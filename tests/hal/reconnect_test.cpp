@@ -1,0 +1,165 @@
+// How a lost link is sought, in a machine made up; the robot that is found is a virtual Create in
+// virtual time.
+#include "hal/reconnect.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hal/sim/device.hpp"
+#include "hal/sim/virtual_link.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(BackOff, BeginsAtOnceAndDoublesUpToItsLimit) {
+  BackOff back_off;
+  std::vector<rt::Duration> pauses(7);
+  std::ranges::generate(pauses, [&] { return back_off.next(); });
+  EXPECT_THAT(pauses,
+              ElementsAre(milliseconds{0}, milliseconds{50}, milliseconds{100}, milliseconds{200},
+                          milliseconds{400}, milliseconds{400}, milliseconds{400}));
+}
+
+TEST(MayReconnect, WhereTheLinkWasLostAndNotTheMode) {
+  EXPECT_TRUE(may_reconnect(CycleEnd::hung_up));
+  EXPECT_TRUE(may_reconnect(CycleEnd::link_lost));
+  EXPECT_FALSE(may_reconnect(CycleEnd::asked));
+  EXPECT_FALSE(may_reconnect(CycleEnd::mode_lost));
+}
+
+// A USB adapter, its ports and its time. Time passes where reconnect() sleeps, and only there.
+class ReconnectTest : public testing::Test {
+ protected:
+  ReconnectTest() {
+    request.port = {.kind = PortIdentity::Kind::usb,
+                    .path = "/dev/ttyUSB0",
+                    .usb_vendor_id = 0x0403,
+                    .usb_product_id = 0x6001,
+                    .usb_serial = "A1"};
+    request.baud = 57600;
+    request.surroundings = {
+        .ports = [this] { return ports(); },
+        .open = [this](const std::string& path, std::uint32_t baud) { return open(path, baud); },
+        .now = [this] { return now_; },
+        .sleep =
+            [this](rt::Duration duration) {
+              pass(duration);
+              if (duration > longest_sleep) longest_sleep = duration;
+            }};
+  }
+
+  std::vector<PortInfo> ports() {
+    looked_at.push_back(elapsed());
+    if (now_ < back_at) return {};
+    PortInfo port{.path = "/dev/ttyUSB1", .usb_serial = "A1"};
+    port.usb_vendor_id = 0x0403;
+    port.usb_product_id = 0x6001;
+    return {port};
+  }
+  Result<OpenedPort> open(const std::string& path, std::uint32_t baud) {
+    opened.push_back(path);
+    if (opened.size() <= refusals) return Failure{"no permission to open " + path};
+    auto link = std::make_unique<sim::VirtualLink>(device);
+    EXPECT_FALSE(link->set_baud(baud));
+    return OpenedPort{.stream = std::move(link), .remark = "a remark"};
+  }
+  void pass(rt::Duration duration) { now_ += duration; }
+  rt::Duration elapsed() const { return now_ - rt::TimePoint{}; }
+
+  sim::Device device{sim::Parameters{}};
+  ReconnectRequest request;
+  rt::TimePoint back_at{};
+  std::size_t refusals = 0;
+  std::vector<rt::Duration> looked_at;
+  std::vector<std::string> opened;
+  rt::Duration longest_sleep{0};
+
+ private:
+  rt::TimePoint now_{};
+};
+
+TEST_F(ReconnectTest, BringsARobotUpWhosePortIsThereAtOnce) {
+  {
+    const auto back = reconnect(request);
+    ASSERT_TRUE(back) << back.failure().message;
+    EXPECT_EQ(back->path, "/dev/ttyUSB1");
+    EXPECT_EQ(back->remark, "a remark");
+    EXPECT_EQ(device.mode(), oi::Mode::safe);
+    EXPECT_EQ(elapsed(), seconds{0});
+  }
+  EXPECT_EQ(device.mode(), oi::Mode::passive) << "it is a Robot like any other";
+}
+
+TEST_F(ReconnectTest, FindsAPortWithin400MillisecondsOfItsReturn) {
+  back_at += milliseconds{7001};
+  ASSERT_TRUE(reconnect(request));
+  EXPECT_EQ(looked_at.front(), seconds{0});
+  EXPECT_LE(looked_at.back() - milliseconds{7001}, milliseconds{400});
+  EXPECT_LE(looked_at.size(), 22U) << "and does not look more often than it must";
+}
+
+TEST_F(ReconnectTest, TriesAgainWhereThePortIsNotReadyYet) {
+  refusals = 3;  // until udev has set its permissions
+  ASSERT_TRUE(reconnect(request));
+  EXPECT_EQ(opened.size(), 4U);
+  EXPECT_EQ(elapsed(), milliseconds{350});
+}
+
+TEST_F(ReconnectTest, GivesUpAndSaysWhatItTriedLast) {
+  back_at += seconds{3600};
+  request.patience = seconds{5};
+  const auto back = reconnect(request);
+  ASSERT_FALSE(back);
+  EXPECT_GE(elapsed(), seconds{5});
+  EXPECT_LE(elapsed(), milliseconds{5020});
+  EXPECT_THAT(back.failure().message, HasSubstr("within 5 s: /dev/ttyUSB0 is not there"));
+}
+
+TEST_F(ReconnectTest, SaysWhyAPortThatIsBackCouldNotBeUsed) {
+  refusals = 1000;
+  request.patience = seconds{2};
+  const auto back = reconnect(request);
+  ASSERT_FALSE(back);
+  EXPECT_THAT(back.failure().message, HasSubstr("no permission to open /dev/ttyUSB1"));
+}
+
+TEST_F(ReconnectTest, MayBeCancelledAtAnyTime) {
+  back_at += seconds{3600};
+  request.robot.cancelled = [this] { return elapsed() >= milliseconds{1234}; };
+  const auto back = reconnect(request);
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.failure().code, std::errc::interrupted);
+  EXPECT_LE(elapsed(), milliseconds{1254});
+  EXPECT_LE(longest_sleep, milliseconds{20});
+}
+
+// The robot may be off: that its port is there is not all.
+TEST_F(ReconnectTest, EndsABringUpThatOutlastsItsPatience) {
+  device.press_power();
+  request.patience = seconds{2};
+  request.robot.cancelled = [this] {
+    pass(milliseconds{20});  // so often a bring-up asks
+    return false;
+  };
+  const auto back = reconnect(request);
+  ASSERT_FALSE(back);
+  EXPECT_LE(elapsed(), milliseconds{2100});
+  EXPECT_THAT(back.failure().message, HasSubstr("within 2 s"));
+}
+
+}  // namespace
+}  // namespace cargobay::hal
