@@ -225,8 +225,10 @@ bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCK
 ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   ++frames_.late;
   deadline_ += oi::kTick;
-  const rt::Duration silence = stream_.now() - last_arrival_;
-  if (silence >= parameters_.link_timeout) return end(CycleEnd::link_lost);
+  const rt::TimePoint now = stream_.now();
+  const rt::Duration silence = now - last_arrival_;
+  const bool expected = now < expected_until_.load(std::memory_order_relaxed);
+  if (silence >= parameters_.link_timeout && !expected) return end(CycleEnd::link_lost);
   if (silence >= parameters_.stop_after && !stopped_in_silence_) {
     stopped_in_silence_ = true;
     loop_.stop();

@@ -97,6 +97,12 @@ class ControlCycle {
   // lapses after setpoint_lapse, and the wheels stop.
   [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING;
 
+  // From any thread: for so long from now the robot's silence is no lost link, as while it plays a
+  // script that waits. The wheels get their stop all the same, should it listen.
+  void expect_silence(rt::Duration duration) noexcept CARGOBAY_NONBLOCKING {
+    expected_until_.store(stream_.now() + duration, std::memory_order_relaxed);
+  }
+
   // From any thread.
   std::optional<CycleState> state() const noexcept CARGOBAY_NONBLOCKING { return state_.get(); }
   // From one other thread: the states of all ticks, oldest first; false where there is none.
@@ -172,6 +178,8 @@ class ControlCycle {
   std::uint64_t withheld_ = 0;
 
   std::atomic<bool> stop_requested_{false};
+  std::atomic<rt::TimePoint> expected_until_{
+      rt::TimePoint{}};  // of a silence; carries nothing else
   rt::SetpointCell setpoint_{};
   rt::Mailbox<CycleState> state_{};
   rt::SpscRing<CycleState, kHistory> history_{};

@@ -161,6 +161,28 @@ TEST(ControlCycle, EndsWhereTheRobotFallsSilent) {
   expect_stopped(drive);
 }
 
+// The robot is deaf and dumb while a script waits: announced, that is no lost link, and no more.
+TEST(ControlCycle, OutlastsASilenceThatWasAnnounced) {
+  VirtualDrive drive{sim::Parameters{}};
+  rt::TimePoint announced{};
+  drive.on_frame = [&](int frame, ControlCycle& cycle) {
+    if (frame == 100) {
+      announced = drive.link.now();
+      cycle.expect_silence(std::chrono::seconds{3});
+    }
+  };
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) -> std::size_t {
+    const rt::Duration since = drive.link.now() - announced;
+    const bool silent = announced != rt::TimePoint{} && since < std::chrono::milliseconds{2900};
+    const bool silent_again = announced != rt::TimePoint{} && since > std::chrono::seconds{4};
+    return silent || silent_again ? 0 : bytes.size();
+  };
+  const DriveResult result = drive.run(1000, forward);
+  EXPECT_EQ(result.end, CycleEnd::link_lost);
+  EXPECT_GT(result.ticks.size(), 160U) << "it drives on after the silence";
+  EXPECT_LT(result.ticks.size(), 180U) << "of the second one nobody said anything";
+}
+
 TEST(ControlCycle, EndsWhereThePortHangsUp) {
   VirtualDrive drive{sim::Parameters{}};
   drive.on_frame = [&drive](int frame, ControlCycle&) {
