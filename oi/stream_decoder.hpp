@@ -127,6 +127,7 @@ class StreamDecoder {
     held_[end_++] = byte;
     if (end_ == 2 && held_[0] == kFrameHeader && is_usual(byte + kFrameOverhead)) {
       gate_ = length_ = byte + kFrameOverhead;
+      if (byte == kFrameHeader) spare_headers_ = 0;  // a length of 19 may be a header as well
       return Outcome::nothing;
     }
     if (end_ == length_ && is_frame(0, end_, form_)) {

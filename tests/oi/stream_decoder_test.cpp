@@ -194,6 +194,19 @@ TEST(StreamDecoder, DropsACutFrameOfTheUsualLengthWhenTwoShorterOnesWentByInside
   EXPECT_THAT(feed(decoder, cut + small + small), ElementsAre(small, small));
 }
 
+// The length that is usual is that of the header as well: a 19 that came twice opens a candidate of
+// the usual length, and its second is the header of the first frame inside.
+TEST(StreamDecoder, DropsADoubledHeaderThatLooksLikeTheUsualLengthWhenTwoFramesWentByInside) {
+  const Bytes usual = frame_around({22, 1, 2, 22, 3, 4, 22, 5, 6, 22, 7, 8, 22, 9, 1, 35, 2, 7, 0});
+  ASSERT_EQ(usual.size(), kFrameHeader + kFrameOverhead);
+  const Bytes shorter = frame_around({35, 2});
+  StreamDecoder decoder{Checksum::including_header};
+  EXPECT_THAT(feed(decoder, usual + shorter), ElementsAre(usual, shorter));
+  feed(decoder, {kFrameHeader});
+  feed(decoder, shorter);
+  EXPECT_THAT(feed(decoder, shorter), ElementsAre(shorter, shorter));
+}
+
 TEST(StreamDecoder, FollowsAListThatChangesWithEveryFrame) {
   const Bytes small = frame_around({35, 2});
   StreamDecoder decoder;
