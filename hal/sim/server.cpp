@@ -139,6 +139,8 @@ void Server::take_from_host() {
     const std::size_t room = std::min(bytes.size(), cable_.send_room());
     const std::size_t count = room == 0 ? 0 : port_->read(std::span{bytes}.first(room));
     if (count == 0) break;
+    // They may have come since the robot was last brought up to now: early is never right.
+    catch_up(rt::Clock::now());
     const std::span<const std::uint8_t> read{bytes.data(), count};
     // Those in front of a change of rate went at the former one.
     const std::size_t former = cable_.host_baud() == device_.baud() && baud != cable_.host_baud()

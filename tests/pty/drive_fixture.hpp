@@ -71,7 +71,8 @@ class DriveTest : public testing::Test {
   void serve(const hal::sim::Parameters& parameters) {
     server_.reset();
     drives_.clear();
-    auto server = hal::sim::Server::open(parameters, {});
+    // A robot has a processor of its own: where it may it goes before the rest.
+    auto server = hal::sim::Server::open(parameters, {.priority = 70});
     ASSERT_TRUE(server) << server.failure().message;
     server_ = std::move(*server);
     server_->with_device([this](hal::sim::Device& device) {
