@@ -156,7 +156,8 @@ void Server::take_from_host() {
 void Server::hand_to_host() {
   std::array<std::uint8_t, 512> bytes{};
   while (const std::size_t count = cable_.take(bytes)) {
-    const std::size_t taken = port_->has_client() ? port_->write(std::span{bytes}.first(count)) : 0;
+    const bool heard = port_ && port_->has_client();
+    const std::size_t taken = heard ? port_->write(std::span{bytes}.first(count)) : 0;
     counters_.bytes_undelivered += count - taken;
   }
 }

@@ -328,6 +328,26 @@ TEST(Server, SaysWhetherItGotItsPriority) {
   EXPECT_TRUE(server->priority_error() == 0 || server->priority_error() == EPERM);
 }
 
+// What the robot sends meanwhile goes nowhere, as out of an open plug.
+TEST(Server, StreamsOnWhileItsPortIsAway) {
+  const auto server = serve();
+  ASSERT_TRUE(server);
+  {
+    const SerialClient client{server->path()};
+    EXPECT_FALSE(client.ask({128, 148, 1, 35}, 5).empty());
+    server->unplug();
+  }
+  const Snapshot unplugged = server->snapshot();
+  EXPECT_TRUE(eventually([&] {
+    const Snapshot now = server->snapshot();
+    return now.time > unplugged.time + std::chrono::milliseconds{100} &&
+           now.server.bytes_undelivered > unplugged.server.bytes_undelivered;
+  }));
+  EXPECT_FALSE(server->replug());
+  const SerialClient again{server->path()};
+  EXPECT_EQ(again.receive(5).size(), 5U) << "it did not notice";
+}
+
 TEST(Server, LinksItsPortAndTakesTheLinkAway) {
   const std::string link = temporary_path("link");
   std::filesystem::create_symlink("/nowhere", link);
