@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/drive_links.hpp"
 #include "hal/cli/drive_log.hpp"
 #include "hal/cli/drive_options.hpp"
 #include "hal/cli/drive_report.hpp"
@@ -23,8 +24,12 @@
 #include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/open_pins.hpp"
+#include "hal/port_identity.hpp"
+#include "hal/reconnect.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
+#include "oi/limits.hpp"
+#include "rt/clock.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -33,15 +38,17 @@ constexpr double kRefresh = 0.1;  // seconds between two status lines
 
 // The control function: follows the profile, and asks the cycle to end when its time is over.
 struct Driver {
-  const Profile* profile;
-  double duration_s;
-  hal::ControlCycle* cycle;
+  const Profile* profile = nullptr;
+  double duration_s = 0.0;
+  hal::ControlCycle* cycle = nullptr;
+  double before_s = 0.0;  // robot time of the links before this one
 
   static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
                                  double seconds) noexcept CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Driver*>(context);
-    if (seconds >= self.duration_s) self.cycle->request_stop();
-    return self.profile->at(std::min(seconds, self.duration_s - 1e-6));  // not yet the next round
+    const double driven_s = self.before_s + seconds;
+    if (driven_s >= self.duration_s) self.cycle->request_stop();
+    return self.profile->at(std::min(driven_s, self.duration_s - 1e-6));  // not yet the next round
   }
 };
 
@@ -55,37 +62,16 @@ void print_status(const hal::CycleState& state, double duration_s) {
   std::fflush(stdout);
 }
 
-// Collects what the loop and the virtual Create tell, until the drive ends.
-class DriveFollower {
- public:
-  DriveFollower(hal::ControlCycle* cycle, hal::sim::Server* server)
-      : cycle_{cycle}, server_{server} {}
-
-  void collect() {
-    hal::CycleState state;
-    while (cycle_->next_state(state)) states_.push_back(state);
-    if (server_ != nullptr) server_->take_truth(truth_);
-  }
-  const std::vector<hal::CycleState>& states() const { return states_; }
-  std::vector<DriveSample> samples() const { return join(states_, truth_); }
-
- private:
-  hal::ControlCycle* cycle_;  // both outlive the follower
-  hal::sim::Server* server_;
-  std::vector<hal::CycleState> states_;
-  std::vector<hal::sim::TruthSample> truth_;
-};
-
 // Returns the signal that ended the drive before its time.
-std::optional<int> follow(hal::Robot& robot, DriveFollower& follower, StopSignals& signals,
+std::optional<int> follow(hal::Robot& robot, DriveLinks& links, StopSignals& signals,
                           double duration_s) {
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
   while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
     signal = signals.wait(
         std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
-    follower.collect();
-    if (live && !follower.states().empty()) print_status(follower.states().back(), duration_s);
+    links.collect();
+    if (live && !links.states().empty()) print_status(links.states().back(), duration_s);
   }
   if (live) fmt::print("\r\033[K");
   return signal;
@@ -113,9 +99,17 @@ std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& 
   return std::nullopt;
 }
 
+// How a drive ended: the last of its links.
+struct Ending {
+  hal::Robot::Farewell farewell{};
+  std::optional<int> signal{};
+  std::string why{};  // the robot did not come back; empty where nobody waited for it
+};
+
 // What went wrong, the worst first; empty where nothing did.
-std::string complaint(const hal::Robot::Farewell& farewell,
-                      const std::optional<hal::Failure>& unsaved) {
+std::string complaint(const Ending& ending, const std::optional<hal::Failure>& unsaved) {
+  if (!ending.why.empty()) return ending.why;
+  const hal::Robot::Farewell& farewell = ending.farewell;
   if (farewell.end != hal::CycleEnd::asked) return hal::explain(farewell.end);
   if (farewell.guard_lost) {
     return "the guard process died, so the robot was stopped; find out who killed it (dmesg tells "
@@ -131,16 +125,15 @@ std::string complaint(const hal::Robot::Farewell& farewell,
 
 // Files, table, and the last word. Returns the exit code.
 int conclude(const DriveReport& report, const DriveOptions& options,
-             const std::vector<DriveSample>& samples, const hal::Robot::Farewell& farewell,
-             std::optional<int> signal) {
+             const std::vector<DriveSample>& samples, const Ending& ending) {
   const std::optional<hal::Failure> unsaved = save(report, options, samples);
   if (options.json_file != "-") fmt::print("{}", table(report));
-  const std::string wrong = complaint(farewell, unsaved);
+  const std::string wrong = complaint(ending, unsaved);
   if (!wrong.empty()) {
     print_error(wrong);
     return kFailure;
   }
-  return signal.has_value() ? kSignalled + *signal : kSuccess;
+  return ending.signal.has_value() ? kSignalled + *ending.signal : kSuccess;
 }
 
 // What is driven: a robot and the lines to its pins, or a virtual Create.
@@ -170,6 +163,99 @@ hal::Result<Plant> find_plant(const DriveOptions& options, const hal::Config& co
   return plant;
 }
 
+// Drives over one link after another, until the time is over or no further link is to be had.
+class Drive {
+ public:
+  Drive(const DriveOptions& options, const Profile& profile, hal::sim::Server* server,
+        StopSignals& signals)
+      : options_{options},
+        signals_{signals},
+        links_{server},
+        driver_{.profile = &profile, .duration_s = options.duration_s} {}
+
+  // Fails where no control thread is to be had. `request` is for the links after the first; there
+  // are none where it names no port.
+  hal::Result<Ending> run(std::unique_ptr<hal::Robot> robot, const hal::ReconnectRequest& request) {
+    for (;;) {
+      const auto grant = begin_link(*robot);
+      if (!grant) return grant.failure();
+      grant_ = *grant;
+      Ending ending{.signal = follow(*robot, links_, signals_, options_.duration_s)};
+      ending.farewell = robot->stop();
+      links_.end_link();
+      robot.reset();  // closes the port
+      const bool goes_on = !request.port.path.empty() && !ending.signal.has_value() &&
+                           hal::may_reconnect(ending.farewell.end);
+      if (!goes_on) return ending;
+      auto back = wait_for_robot(request, ending.farewell.end);
+      if (!back) {
+        ending.why = back.failure().message;
+        return ending;
+      }
+      robot = std::move(back->robot);
+    }
+  }
+  const DriveLinks& links() const { return links_; }
+  const rt::RealtimeGrant& grant() const { return grant_; }
+
+ private:
+  hal::Result<rt::RealtimeGrant> begin_link(hal::Robot& robot) {
+    driver_.cycle = &robot.cycle();
+    driver_.before_s = static_cast<double>(links_.ticks()) * rt::seconds(oi::kTick);
+    auto grant = robot.start({.function = &Driver::control, .context = &driver_});
+    if (!grant) return grant;
+    links_.begin_link(robot.cycle());
+    if (links_.reconnects() > 0)
+      print_remark(fmt::format("back after {:.1f} s", rt::seconds(links_.latest_without())));
+    return grant;
+  }
+  static hal::Result<hal::Reconnection> wait_for_robot(const hal::ReconnectRequest& request,
+                                                       hal::CycleEnd end) {
+    print_remark(end == hal::CycleEnd::hung_up
+                     ? "the port hung up; waiting for it to come back"
+                     : "the robot fell silent; waiting for it to come back");
+    auto back = hal::reconnect(request);
+    if (back && !back->remark.empty()) print_remark(back->remark);
+    return back;
+  }
+
+  const DriveOptions& options_;
+  StopSignals& signals_;
+  DriveLinks links_;
+  Driver driver_;
+  rt::RealtimeGrant grant_{};  // of the last link
+};
+
+// What the drive itself tells; it outlives the report.
+DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& samples) {
+  const DriveLinks& links = drive.links();
+  const hal::CycleState last = links.states().empty() ? hal::CycleState{} : links.states().back();
+  return {.remainder = last.remainder,
+          .grant = drive.grant(),
+          .ticks = links.ticks(),
+          .frames = links.frames(),
+          .figures = figures(samples),
+          .period_ns = &links.period_ns(),
+          .frame_to_command_ns = &links.frame_to_command_ns(),
+          .reconnects = links.reconnects(),
+          .without_link = links.without()};
+}
+
+// As what a lost port is sought; without an identity where it is not: not asked for, or a virtual
+// Create of our own, which stays.
+hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options,
+                                                     const Plant& plant, std::uint32_t baud,
+                                                     const hal::RobotOptions& robot) {
+  hal::ReconnectRequest request{.baud = baud, .robot = robot};
+  if (options.reconnect.empty() || plant.create) return request;
+  auto identity = hal::identify(plant.port, hal::serial_ports());
+  if (!identity) return identity.failure();
+  request.port = std::move(*identity);
+  request.patience =
+      std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{reconnect_s(options)});
+  return request;
+}
+
 int drive(const DriveOptions& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
@@ -187,44 +273,31 @@ int drive(const DriveOptions& options) {
   if (!plant) return fail(plant.failure());
   wanted.pins = plant->pins();
   hal::sim::Server* server = plant->create ? &plant->create->server() : nullptr;
-  auto stream = open_for_use(plant->port, *config->baud);
-  if (!stream) return fail(stream.failure());
-  if (server != nullptr && options.json_file != "-")
-    fmt::print("Driving a virtual Create on {}\n", plant->port);
-
   std::optional<int> early_signal;
   wanted.cancelled = [&] {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
     return early_signal.has_value();
   };
+  const auto again = reconnect_request(options, *plant, *config->baud, wanted);
+  if (!again) return fail(again.failure());
+  auto stream = open_for_use(plant->port, *config->baud);
+  if (!stream) return fail(stream.failure());
+  if (server != nullptr && options.json_file != "-")
+    fmt::print("Driving a virtual Create on {}\n", plant->port);
+
   auto opened = hal::Robot::open(std::move(*stream), wanted);
   if (early_signal) return kSignalled + *early_signal;  // it stands, or was told to
   if (!opened) return fail(opened.failure());
-  hal::Robot& robot = **opened;
-  Driver driver{&*profile, options.duration_s, &robot.cycle()};
-  const auto grant = robot.start({.function = &Driver::control, .context = &driver});
-  if (!grant) return fail(grant.failure());
-
-  DriveFollower follower{&robot.cycle(), server};
-  const std::optional<int> signal = follow(robot, follower, signals, options.duration_s);
-  const hal::Robot::Farewell farewell = robot.stop();
-  follower.collect();
-
-  const std::vector<DriveSample> samples = follower.samples();
-  const hal::CycleState last =
-      follower.states().empty() ? hal::CycleState{} : follower.states().back();
-  const DriveReport report{.port = plant->port,
-                           .robot = server != nullptr ? "virtual Create" : "robot",
-                           .baud = *config->baud,
-                           .open_loop = options.open_loop,
-                           .remainder = last.remainder,
-                           .grant = *grant,
-                           .ticks = last.tick,
-                           .frames = robot.cycle().frames(),
-                           .figures = figures(samples),
-                           .period_ns = &robot.cycle().period_ns(),
-                           .frame_to_command_ns = &robot.cycle().frame_to_command_ns()};
-  return conclude(report, options, samples, farewell, signal);
+  Drive driving{options, *profile, server, signals};
+  const auto ending = driving.run(std::move(*opened), *again);
+  if (!ending) return fail(ending.failure());
+  const std::vector<DriveSample> samples = driving.links().samples();
+  DriveReport report = report_of(driving, samples);
+  report.port = plant->port;
+  report.robot = server != nullptr ? "virtual Create" : "robot";
+  report.baud = *config->baud;
+  report.open_loop = options.open_loop;
+  return conclude(report, options, samples, *ending);
 }
 
 }  // namespace

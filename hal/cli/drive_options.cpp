@@ -1,6 +1,9 @@
 #include "hal/cli/drive_options.hpp"
 
+#include <charconv>
 #include <cmath>
+#include <limits>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -14,6 +17,7 @@ namespace {
 constexpr int kPriority = 80;
 constexpr double kLeastDeadlineMs = 1000.0 * rt::seconds(hal::Guard::kLeastDeadline);
 constexpr double kMostDeadlineMs = 10000.0;
+constexpr double kLongestWaitS = 86400.0;
 
 int priority(const DriveOptions& options, const hal::Config& config) {
   return options.priority.value_or(config.priority.value_or(kPriority));
@@ -37,11 +41,25 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
     return hal::Failure{fmt::format("--guard-deadline {:g} is not from {:g} to {:g} ms",
                                     options.guard_deadline_ms, kLeastDeadlineMs, kMostDeadlineMs)};
   }
+  const bool waits = reconnect_s(options) > 0.0 && reconnect_s(options) <= kLongestWaitS;
+  if (!options.reconnect.empty() && !waits) {
+    return hal::Failure{fmt::format("--reconnect={} is not above 0 and up to {:g} seconds",
+                                    options.reconnect, kLongestWaitS)};
+  }
   for (const std::string& file : {options.json_file, options.plot_file}) {
     if (file.empty()) continue;
     if (auto failure = check_writable(file)) return failure;
   }
   return std::nullopt;
+}
+
+double reconnect_s(const DriveOptions& options) {
+  if (options.reconnect.empty()) return 0.0;
+  const char* const end = options.reconnect.data() + options.reconnect.size();
+  double seconds = 0.0;
+  const auto [parsed, error] = std::from_chars(options.reconnect.data(), end, seconds);
+  const bool number = error == std::errc{} && parsed == end;
+  return number ? seconds : std::numeric_limits<double>::quiet_NaN();
 }
 
 hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config) {
@@ -79,6 +97,9 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_flag(
       "--full", options.full,
       "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
+  command.add_flag("--reconnect{30}", options.reconnect,
+                   "Where the port hangs up or the robot falls silent, wait for so many seconds "
+                   "(--reconnect=60; by itself 30), and drive on when it is back");
   command.add_option("--json", options.json_file,
                      "Write the results to this file; - for standard output");
   command.add_option("--plot", options.plot_file,
@@ -103,7 +124,8 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
       "  cargobay drive\n"
       "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
       "  cargobay drive --baud 19200\n"
-      "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300");
+      "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300\n"
+      "  cargobay drive --port /dev/ttyUSB0 --duration 3600 --reconnect=60");
 }
 
 }  // namespace cargobay::cli

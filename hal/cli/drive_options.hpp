@@ -31,6 +31,7 @@ struct DriveOptions {
   double guard_deadline_ms = 150.0;
   std::optional<int> priority{};
   std::optional<int> cpu{};
+  std::string reconnect;  // seconds to wait for a lost port; empty: not at all
   std::string json_file;
   std::string plot_file;
   SimOptions sim{};
@@ -41,6 +42,9 @@ void add_drive_options(CLI::App& command, DriveOptions& options);
 
 // What can be wrong with the values, found before anything moves.
 std::optional<hal::Failure> check(const DriveOptions& options);
+
+// --reconnect as a number: not a number where it is none, 0 where it was not given.
+double reconnect_s(const DriveOptions& options);
 
 // The robot as options and configuration want it; without its pins.
 hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config);

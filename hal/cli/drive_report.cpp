@@ -64,6 +64,9 @@ std::string table(const DriveReport& report) {
   put_timing(out, "frame to command", *report.frame_to_command_ns);
   fmt::format_to(to_out, "Frames     {} good, {} bad, {} lost\n", report.frames.good,
                  report.frames.bad, report.frames.lost);
+  if (report.reconnects > 0)
+    fmt::format_to(to_out, "Link       {} reconnected, {:.1f} s without\n", report.reconnects,
+                   rt::seconds(report.without_link));
   fmt::format_to(to_out, "Robot      {} on {} at {} baud, remainder of distance and angle: {}\n",
                  report.robot, report.port, report.baud, name(report.remainder));
   fmt::format_to(to_out, "Real time  {}\n", rights(report.grant));
@@ -92,6 +95,8 @@ std::string json(const DriveReport& report) {
       {"frames_good", report.frames.good},
       {"frames_bad", report.frames.bad},
       {"frames_lost", report.frames.lost},
+      {"reconnects", report.reconnects},
+      {"without_link_s", rt::seconds(report.without_link)},
       {"steady_error_mm_s",
        report.figures.has_steady ? pair(l.steady_error_mm_s, r.steady_error_mm_s) : json{}},
       {"tracking_rmse_mm_s", pair(l.tracking_rmse_mm_s, r.tracking_rmse_mm_s)},

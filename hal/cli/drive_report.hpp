@@ -6,13 +6,14 @@
 
 #include "hal/cli/drive_log.hpp"
 #include "hal/control_cycle.hpp"
+#include "rt/clock.hpp"
 #include "rt/realtime.hpp"
 
 namespace cargobay::cli {
 
 struct DriveReport {
-  std::string port;
-  std::string robot;  // what it is
+  std::string port{};
+  std::string robot{};  // what it is
   std::uint32_t baud = 0;
   bool open_loop = false;
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
@@ -22,6 +23,8 @@ struct DriveReport {
   DriveFigures figures{};
   const rt::Histogram* period_ns = nullptr;            // borrowed
   const rt::Histogram* frame_to_command_ns = nullptr;  // borrowed
+  int reconnects = 0;                                  // the port came back so often
+  rt::Duration without_link{0};                        // in all
 };
 
 std::string name(rt::RemainderBelief belief);
