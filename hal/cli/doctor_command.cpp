@@ -8,6 +8,7 @@
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/findings.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/doctor.hpp"
@@ -21,23 +22,9 @@ struct Options {
   std::string json_file;
 };
 
-// Rights are known only once they have been asked for.
-rt::RealtimeGrant try_rights(int priority) {
-  rt::RealtimeThread thread;
-  rt::RealtimeGrant grant = thread.start({.priority = priority}, [] {});
-  thread.join();
-  return grant;
-}
-
-std::string json(const std::vector<hal::Finding>& findings) {
-  using nlohmann::json;
-  json out{{"ok", hal::all_well(findings)}, {"findings", json::array()}};
-  for (const hal::Finding& finding : findings) {
-    out["findings"].push_back({{"check", finding.check},
-                               {"verdict", hal::name(finding.verdict)},
-                               {"what", finding.what},
-                               {"remedy", finding.remedy}});
-  }
+std::string report(const std::vector<hal::Finding>& findings) {
+  const nlohmann::json out{{"ok", hal::all_well(findings)},
+                           {"findings", nlohmann::json::parse(json(findings))}};
   return out.dump(2) + "\n";
 }
 
@@ -49,11 +36,11 @@ void print(const std::vector<hal::Finding>& findings) {
 }
 
 int examine(const Options& options) {
-  const std::vector<hal::Finding> findings = hal::examine(
-      {.port = options.port, .priority = options.priority, .grant = try_rights(options.priority)});
+  const std::vector<hal::Finding> findings =
+      cli::examine(options.port, rt::RealtimeRequest{.priority = options.priority});
   if (options.json_file != "-") print(findings);
   if (!options.json_file.empty()) {
-    if (auto failure = write_file(options.json_file, json(findings))) {
+    if (auto failure = write_file(options.json_file, report(findings))) {
       print_error(failure->message);
       return kFailure;
     }

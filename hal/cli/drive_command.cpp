@@ -16,6 +16,7 @@
 #include "hal/cli/drive_options.hpp"
 #include "hal/cli/drive_report.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/findings.hpp"
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/profile.hpp"
@@ -284,6 +285,7 @@ int drive(const DriveOptions& options) {
   if (!stream) return fail(stream.failure());
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", plant->port);
+  const std::vector<hal::Finding> findings = examine(plant->port, wanted.realtime);
 
   auto opened = hal::Robot::open(std::move(*stream), wanted);
   if (early_signal) return kSignalled + *early_signal;  // it stands, or was told to
@@ -297,6 +299,7 @@ int drive(const DriveOptions& options) {
   report.robot = server != nullptr ? "virtual Create" : "robot";
   report.baud = *config->baud;
   report.open_loop = options.open_loop;
+  report.findings = findings;
   return conclude(report, options, samples, *ending);
 }
 

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/cli/findings.hpp"
+
 namespace cargobay::cli {
 namespace {
 
@@ -44,6 +46,15 @@ std::string rights(const rt::RealtimeGrant& grant) {
   return out;
 }
 
+// What is well goes without saying.
+void put_findings(std::string& out, const std::vector<hal::Finding>& findings) {
+  for (const hal::Finding& finding : findings) {
+    if (finding.verdict == hal::Finding::Verdict::good) continue;
+    const std::string_view label = finding.verdict == hal::Finding::Verdict::bad ? "Bad" : "Advice";
+    fmt::format_to(std::back_inserter(out), "{:<11}{}: {}\n", label, finding.what, finding.remedy);
+  }
+}
+
 }  // namespace
 
 std::string name(rt::RemainderBelief belief) {
@@ -70,9 +81,7 @@ std::string table(const DriveReport& report) {
   fmt::format_to(to_out, "Robot      {} on {} at {} baud, remainder of distance and angle: {}\n",
                  report.robot, report.port, report.baud, name(report.remainder));
   fmt::format_to(to_out, "Real time  {}\n", rights(report.grant));
-  for (const rt::Refusal& refusal : report.grant.refusals) {
-    fmt::format_to(to_out, "           {}\n", rt::explain(refusal));
-  }
+  put_findings(out, report.findings);
   return out;
 }
 
@@ -110,6 +119,7 @@ std::string json(const DriveReport& report) {
         {"p999", report.frame_to_command_ns->percentile(99.9)},
         {"max", report.frame_to_command_ns->max()}}},
   };
+  out["findings"] = json::parse(cli::json(report.findings));
   if (report.figures.has_truth)
     out["estimate_rmse_mm_s"] = pair(l.estimate_rmse_mm_s, r.estimate_rmse_mm_s);
   return out.dump(2) + "\n";

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "hal/cli/drive_log.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/doctor.hpp"
 #include "rt/clock.hpp"
 #include "rt/realtime.hpp"
 
@@ -25,6 +27,7 @@ struct DriveReport {
   const rt::Histogram* frame_to_command_ns = nullptr;  // borrowed
   int reconnects = 0;                                  // the port came back so often
   rt::Duration without_link{0};                        // in all
+  std::vector<hal::Finding> findings{};                // of the machine, before the drive
 };
 
 std::string name(rt::RemainderBelief belief);

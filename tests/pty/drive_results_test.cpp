@@ -96,6 +96,9 @@ TEST(DriveResults, HoldTheKeysOfTheJson) {
   ASSERT_TRUE(results.is_object()) << command.out();
   expect_common_keys(results);
   expect_numbers(results, "estimate_rmse_mm_s", {"left", "right"});
+  EXPECT_EQ(results.at("reconnects"), 0);
+  EXPECT_GE(results.at("findings").size(), 6U) << "what cargobay doctor says";
+  EXPECT_TRUE(results.at("findings").at(0).contains("remedy"));
   EXPECT_THAT(results.at("port"), StartsWith("/dev/"));
   EXPECT_EQ(results.at("baud"), 57600);
   EXPECT_EQ(results.at("remainder"), "carried") << "two seconds are enough to find out";
