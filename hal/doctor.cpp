@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "gpio/line.hpp"
+#include "hal/task_list.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -165,8 +166,49 @@ std::optional<Finding> deep_sleep(const Examination& examination, const fs::path
                  "see the line about /dev/cpu_dma_latency; or boot with cpuidle.off=1"};
 }
 
+// The real-time threads of other programs, whatever their priority.
+std::vector<Task> realtime_programs(const fs::path& root) {
+  std::vector<Task> found;
+  for (const fs::path& process : processes(root / "proc")) {
+    if (process.filename() == std::to_string(getpid())) continue;
+    for (const fs::path& thread : entries(process / "task")) {
+      const auto task = read_task(thread);
+      if (task && !task->of_kernel && task->priority > 0) found.push_back(*task);
+    }
+  }
+  return found;
+}
+
+// "audio (10), hog (20)", each once.
+std::string joined(const std::vector<Task>& tasks) {
+  std::set<std::string> words;
+  for (const Task& task : tasks)
+    words.insert(task.name + " (" + std::to_string(task.priority) + ")");
+  return joined(words);
+}
+
 // Bytes of a terminal reach their reader through a kworker of ordinary priority.
-Finding kworkers(const fs::path& root) {
+Finding kworkers(const fs::path& root, const std::vector<Task>& programs) {
+  std::set<std::string> raised;
+  for (const Task& task : kernel_threads(root / "proc")) {
+    if (task.is_unbound_kworker() && task.priority > 0)
+      raised.insert(std::to_string(task.priority));
+  }
+  if (!raised.empty()) {
+    return {
+        "kworkers", Verdict::advice,
+        "the kworkers that hand over the port's bytes have real-time priority " + joined(raised) +
+            ", as a drive with --boost-kworkers gives them",
+        "if that drive was killed: for p in $(pgrep '^kworker/u'); do sudo chrt --other --pid 0 "
+        "$p; done"};
+  }
+  if (!programs.empty()) {
+    return {"kworkers", Verdict::advice,
+            "real-time programs may keep the kworkers that hand over the port's bytes from the "
+            "CPU: " +
+                joined(programs),
+            "keep a CPU free of them (taskset), or drive with --boost-kworkers"};
+  }
   const int cpus = count_cpus(contents(root / "sys/devices/system/cpu/online"));
   if (cpus > 1) {
     return {"kworkers", Verdict::good,
@@ -178,51 +220,12 @@ Finding kworkers(const fs::path& root) {
           "run no other real-time program on it, or take a board with more CPUs"};
 }
 
-struct Task {
-  std::string name{};
-  long priority = 0;  // of SCHED_FIFO and SCHED_RR; 0 for others
-  bool of_kernel = false;
-};
-
-// proc(5): the name stands in brackets, and may hold any character.
-std::optional<Task> read_task(const fs::path& folder) {
-  constexpr std::size_t kFlags = 6;  // counted from the state, the first behind the name
-  constexpr std::size_t kPriority = 37;
-  constexpr unsigned long kKernelThread = 0x00200000;  // PF_KTHREAD
-  const std::string stat = contents(folder / "stat");
-  const std::size_t open = stat.find('(');
-  const std::size_t close = stat.rfind(')');
-  if (open == std::string::npos || close == std::string::npos) return std::nullopt;
-  std::istringstream fields{stat.substr(close + 1)};
-  const std::vector<std::string> words{std::istream_iterator<std::string>{fields}, {}};
-  if (words.size() <= kPriority) return std::nullopt;
-  const auto flags = number(words[kFlags]);
-  const auto priority = number(words[kPriority]);
-  if (!flags || !priority) return std::nullopt;
-  return Task{.name = stat.substr(open + 1, close - open - 1),
-              .priority = *priority,
-              .of_kernel = (static_cast<unsigned long>(*flags) & kKernelThread) != 0};
-}
-
-std::vector<fs::path> processes(const fs::path& root) {
-  std::vector<fs::path> found = entries(root / "proc");
-  std::erase_if(found, [](const fs::path& path) { return !number(path.filename().string()); });
-  return found;
-}
-
-Finding rivals(const Examination& examination, const fs::path& root) {
-  std::set<std::string> names;
-  for (const fs::path& process : processes(root)) {
-    if (process.filename() == std::to_string(getpid())) continue;
-    for (const fs::path& thread : entries(process / "task")) {
-      const auto task = read_task(thread);
-      if (task && !task->of_kernel && task->priority >= examination.priority)
-        names.insert(task->name + " (" + std::to_string(task->priority) + ")");
-    }
-  }
-  if (names.empty())
+Finding rivals(const Examination& examination, std::vector<Task> programs) {
+  std::erase_if(programs, [&](const Task& task) { return task.priority < examination.priority; });
+  if (programs.empty())
     return {"rivals", Verdict::good, "no other program has as high a real-time priority"};
-  return {"rivals", Verdict::advice, "others have as high a real-time priority: " + joined(names),
+  return {"rivals", Verdict::advice,
+          "others have as high a real-time priority: " + joined(programs),
           "lower theirs with chrt, or raise the loop's with --priority (98 at most)"};
 }
 
@@ -258,7 +261,7 @@ std::optional<Finding> console(const fs::path& root, const std::string& tty) {
 }
 
 std::optional<Finding> getty(const fs::path& root, const std::string& tty) {
-  for (const fs::path& process : processes(root)) {
+  for (const fs::path& process : processes(root / "proc")) {
     if (contents(process / "comm").find("getty") == std::string::npos) continue;
     std::string words = contents(process / "cmdline");
     std::replace(words.begin(), words.end(), '\0', ' ');
@@ -311,8 +314,9 @@ std::vector<Finding> examine(const Examination& examination) {
   findings.push_back(throttling(root));
   findings.push_back(governor(root));
   if (auto finding = deep_sleep(examination, root)) findings.push_back(*finding);
-  findings.push_back(kworkers(root));
-  findings.push_back(rivals(examination, root));
+  const std::vector<Task> programs = realtime_programs(root);
+  findings.push_back(kworkers(root, programs));
+  findings.push_back(rivals(examination, programs));
   if (!examination.port.empty())
     std::ranges::copy(port(examination, root), std::back_inserter(findings));
   findings.push_back(pins());

@@ -24,6 +24,7 @@
 #include "hal/cli/velocity_plot.hpp"
 #include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
+#include "hal/kworker_boost.hpp"
 #include "hal/open_pins.hpp"
 #include "hal/port_identity.hpp"
 #include "hal/reconnect.hpp"
@@ -257,6 +258,16 @@ hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options
   return request;
 }
 
+// As far as the kernel allows; where rights are required, what it refuses is a failure.
+std::optional<hal::Failure> boost_kworkers(hal::KworkerBoost& boost,
+                                           const hal::RobotOptions& robot) {
+  const int error = boost.start();
+  if (error == 0) return std::nullopt;
+  if (robot.require_realtime) return hal::Failure{hal::explain_kworker_boost(error)};
+  print_remark(hal::explain_kworker_boost(error));
+  return std::nullopt;
+}
+
 int drive(const DriveOptions& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
@@ -286,6 +297,10 @@ int drive(const DriveOptions& options) {
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", plant->port);
   const std::vector<hal::Finding> findings = examine(plant->port, wanted.realtime);
+  hal::KworkerBoost boost{hal::kworker_priority(wanted.realtime.priority)};  // until the very end
+  if (options.boost_kworkers) {
+    if (const auto failure = boost_kworkers(boost, wanted)) return fail(*failure);
+  }
 
   auto opened = hal::Robot::open(std::move(*stream), wanted);
   if (early_signal) return kSignalled + *early_signal;  // it stands, or was told to

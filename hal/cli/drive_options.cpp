@@ -114,6 +114,9 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_flag(
       "--no-guard", options.no_guard,
       "Drive without the guard process: if this program dies the wheels go on turning");
+  command.add_flag("--boost-kworkers", options.boost_kworkers,
+                   "Give the kernel threads that hand over the port's bytes a real-time priority "
+                   "too, just below the loop's, until the end (needs CAP_SYS_NICE)");
   command.add_option("--priority", options.priority, "SCHED_FIFO priority of the loop [80]")
       ->check(CLI::Range(11, 98));
   command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");

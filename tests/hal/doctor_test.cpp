@@ -19,6 +19,8 @@ using testing::IsEmpty;
 using testing::Not;
 using Verdict = Finding::Verdict;
 
+constexpr unsigned kKernelThread = 0x00200040;
+
 class Doctor : public testing::Test {
  protected:
   void SetUp() override {
@@ -43,8 +45,9 @@ class Doctor : public testing::Test {
     const std::string folder = "proc/" + std::to_string(id);
     std::string stat = std::to_string(id) + " (" + name + ") S 1 1 1 0 -1 " + std::to_string(flags);
     for (int field = 10; field < 40; ++field) stat += " 0";
-    write(folder + "/task/" + std::to_string(id) + "/stat",
-          stat + ' ' + std::to_string(priority) + " 1 0 0");
+    stat += ' ' + std::to_string(priority) + " 1 0 0";
+    write(folder + "/stat", stat);
+    write(folder + "/task/" + std::to_string(id) + "/stat", stat);
     write(folder + "/comm", name);
   }
   static rt::RealtimeGrant all_granted() {
@@ -132,8 +135,24 @@ TEST_F(Doctor, WantsACpuForTheKworkers) {
   EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("of 3 CPUs"));
 }
 
+// A program below the loop keeps them waiting too.
+TEST_F(Doctor, SeesWhoKeepsTheKworkersWaiting) {
+  add_process(8, "modest", 0, 10);
+  expect("kworkers", Verdict::advice, "--boost-kworkers");
+  EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("modest (10)"));
+}
+
+TEST_F(Doctor, SeesKworkersThatWereLeftRaised) {
+  add_process(7, "kworker/0:1-events", kKernelThread, 79);
+  add_process(8, "kworker/u8:2-flush_to_ldisc", kKernelThread, 0);
+  add_process(9, "kworker/u8:3 of a user", 0, 0);
+  EXPECT_EQ(find(examine(), "kworkers").verdict, Verdict::good);
+  add_process(10, "kworker/u8:4-events_unbound", kKernelThread, 79);
+  expect("kworkers", Verdict::advice, "chrt --other");
+  EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("priority 79"));
+}
+
 TEST_F(Doctor, SeesRivalsButNotTheKernelsOwn) {
-  constexpr unsigned kKernelThread = 0x00200040;
   add_process(7, "migration/0", kKernelThread, 99);
   add_process(8, "modest", 0, 79);
   expect("rivals", Verdict::good, "");
