@@ -131,20 +131,59 @@ void ControlCycle::account(rt::TimePoint arrival,
     damaged_ = 0;  // the tail of whatever was under way when we began to listen
   } else {
     const int lost = ticks_.arrived(arrival, static_cast<int>(readings.size()), damaged_);
-    const std::uint64_t bad = std::min(damaged_, static_cast<std::uint64_t>(lost));
-    const std::uint64_t never_came = static_cast<std::uint64_t>(lost) - bad;
+    const auto given_up = static_cast<std::uint64_t>(std::max(lost, 0));
+    const std::uint64_t bad = std::min(damaged_, given_up);
+    const std::uint64_t never_came = given_up - bad;
     // What never came is missed late, so the list that it was of may be an older one.
-    loop_.lost(lost, ticks_since_reads_ <= (never_came == 0 ? 1 : rt::TickClock::kPatience + 1));
+    loop_.lost(lost - foreseen_,
+               ticks_since_reads_ <= (never_came == 0 ? 1 : rt::TickClock::kPatience + 1));
     frames_.bad += bad;
     frames_.lost += never_came;
+    if (lost < 0) take_back(static_cast<std::uint64_t>(-lost));
     // One frame may be damaged in several places, and noise between two frames damages none.
     damaged_ = ticks_.missing() == 0 ? 0 : damaged_ - bad;
+    if (ticks_.in_doubt()) {
+      loop_.doubt_next_reading();
+    } else {
+      foreseen_ = 0;
+    }
     period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
   for (const auto& reading : readings) loop_.frame(reading);
   last_arrival_ = arrival;
   stopped_in_silence_ = false;
   deadline_ = ticks_.expected() + parameters_.late_margin;
+}
+
+// Frames that were given up are here. Of the bad ones, what looked like their remains was noise.
+void ControlCycle::take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING {
+  const std::uint64_t lost = std::min(frames, frames_.lost);
+  frames_.lost -= lost;
+  frames_.bad -= frames - lost;
+}
+
+// Of the robot, that passed since the last frame. For a deadline that is over.
+std::int64_t ControlCycle::silent_ticks() const noexcept CARGOBAY_NONBLOCKING {
+  return (stream_.now() - ticks_.expected()) / oi::kTick + 1;
+}
+
+// Up to now the last command was obeyed; from now on none is.
+void ControlCycle::stop_in_silence() noexcept CARGOBAY_NONBLOCKING {
+  stopped_in_silence_ = true;
+  if (ticks_.started()) {
+    foreseen_ = static_cast<int>(silent_ticks());
+    loop_.lost(foreseen_, true);
+  }
+  loop_.stop();
+}
+
+// The link is lost, and with it what was due by now.
+void ControlCycle::account_for_silence() noexcept CARGOBAY_NONBLOCKING {
+  if (!ticks_.started()) return;
+  const auto due = static_cast<std::uint64_t>(ticks_.missing() + silent_ticks());
+  const std::uint64_t bad = std::min(damaged_, due);
+  frames_.bad += bad;
+  frames_.lost += due - bad;
 }
 
 ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
@@ -157,6 +196,8 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
                    .remainder = loop_.belief(),
                    .battery_mv = battery_mv_};
   const bool in_mode = !sensors_.has(oi::PacketId::oi_mode) || state.mode == parameters_.drive_mode;
+  // Behind a silence the second frame tells how many ticks it was: until then there is no estimate.
+  if (in_mode && ticks_.in_doubt()) return Step::on;
   const Step step = in_mode ? control(state) : end(CycleEnd::mode_lost);
   state_.put(state);
   history_.push(state);
@@ -228,10 +269,12 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   const rt::TimePoint now = stream_.now();
   const rt::Duration silence = now - last_arrival_;
   const bool expected = now < expected_until_.load(std::memory_order_relaxed);
-  if (silence >= parameters_.link_timeout && !expected) return end(CycleEnd::link_lost);
+  if (silence >= parameters_.link_timeout && !expected) {
+    account_for_silence();
+    return end(CycleEnd::link_lost);
+  }
   if (silence >= parameters_.stop_after && !stopped_in_silence_) {
-    stopped_in_silence_ = true;
-    loop_.stop();
+    stop_in_silence();
     if (send({}, Lists::as_before) == Sent::failed) return end(CycleEnd::hung_up);
   }
   return Step::on;

@@ -48,6 +48,8 @@ struct CycleState {
   std::int32_t battery_mv = 0;  // 0 until the first frame that tells
 };
 
+// Behind the first frame each tick of the robot is counted once: good, bad or lost. What may still
+// be on its way when the cycle ends is not counted; when the link is lost, nothing is.
 struct FrameCounters {
   std::uint64_t good = 0;
   std::uint64_t bad = 0;   // damaged on the way
@@ -133,6 +135,10 @@ class ControlCycle {
   std::optional<rt::WheelEstimator::Reading> take_frame() noexcept CARGOBAY_NONBLOCKING;
   Step answer(rt::TimePoint arrival, const Readings& readings) noexcept CARGOBAY_NONBLOCKING;
   void account(rt::TimePoint arrival, const Readings& readings) noexcept CARGOBAY_NONBLOCKING;
+  void take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING;
+  std::int64_t silent_ticks() const noexcept CARGOBAY_NONBLOCKING;
+  void stop_in_silence() noexcept CARGOBAY_NONBLOCKING;
+  void account_for_silence() noexcept CARGOBAY_NONBLOCKING;
   Step control(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   Step late() noexcept CARGOBAY_NONBLOCKING;
   bool tick_has_command(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING;
@@ -166,6 +172,7 @@ class ControlCycle {
   rt::TimePoint last_command_{};
   rt::TimePoint deadline_{};
   bool stopped_in_silence_ = false;
+  int foreseen_ = 0;  // ticks of a silence that the loop has gone through, counted or not
   rt::TimePoint setpoint_time_{};
   std::uint32_t setpoint_serial_ = 0;
   std::int32_t battery_mv_ = 0;

@@ -14,6 +14,8 @@ constexpr Duration kMostDrift = std::chrono::microseconds{15};
 // only a bunch that is still being handed over is waited for.
 constexpr std::int64_t kMostLate = 2;
 constexpr int kShortPatience = 2;
+// Ticks within which a frame that was given up may still come.
+constexpr std::int64_t kMemory = 67;
 
 }  // namespace
 
@@ -24,6 +26,7 @@ void TickClock::start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   by_time_ = 0;
   counted_ = 0;
   doubtful_ = 0;
+  given_up_ = 0;
 }
 
 int TickClock::arrived(TimePoint arrival, int frames,
@@ -34,6 +37,7 @@ int TickClock::arrived(TimePoint arrival, int frames,
   phase_ += passed * tick_;
   counted_ += frames;
   in_phase_ = true;
+  const std::int64_t back = take_back(arrival);
   if (counted_ > by_time_) {  // the robot is faster than its phase said
     in_phase_ = phase_ + tick_ - arrival < tick_ / kEarlyShare;
     by_time_ = counted_;
@@ -41,15 +45,36 @@ int TickClock::arrived(TimePoint arrival, int frames,
   }
   const std::int64_t lost = settle(passed, damaged);
   counted_ += lost;
-  // While something is missing, this may be an arrival of a tick earlier, and very late.
-  if (missing() == 0) phase_ += std::min<Duration>(arrival - phase_, kMostDrift);
-  return static_cast<int>(lost);
+  if (lost > 0) {
+    given_up_ += lost;
+    given_up_at_ = by_time_;
+  }
+  // While something is missing, this may be an arrival of a tick earlier, and very late. Behind a
+  // loss it may still be one, and seem early.
+  const Duration most_early = given_up_ > 0 ? kMostDrift : tick_;
+  if (missing() == 0) phase_ += std::clamp<Duration>(arrival - phase_, -most_early, kMostDrift);
+  return static_cast<int>(lost - back);
+}
+
+// More frames than ticks, and too early for the next: how many of them were given up before.
+std::int64_t TickClock::take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+  if (by_time_ - given_up_at_ > kMemory) given_up_ = 0;
+  const bool early = phase_ + tick_ - arrival >= tick_ / kEarlyShare;
+  if (counted_ <= by_time_ || !early) return 0;
+  const std::int64_t back = std::min(given_up_, counted_ - by_time_);
+  given_up_ -= back;
+  counted_ -= back;
+  return back;
 }
 
 TimePoint TickClock::due_by(TimePoint time) const noexcept CARGOBAY_NONBLOCKING {
   const Duration since = time - phase_;
   const std::int64_t ticks = since / tick_ - (since % tick_ < Duration::zero() ? 1 : 0);
   return phase_ + ticks * tick_;
+}
+
+bool TickClock::in_doubt() const noexcept CARGOBAY_NONBLOCKING {
+  return doubtful_ > 0 && least_missing_ > kMostLate;
 }
 
 // How many of the missing frames are given up.

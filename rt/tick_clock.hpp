@@ -5,7 +5,8 @@
 // slowly where it drifts. A frame that is missing when the next one is here may still be on its way
 // (a USB adapter that hands over every 16 ms is more than a tick behind for several frames in a
 // row). It counts as lost when something was missing for six ticks, or for two where it was more
-// than two frames, or as soon as it is known to have been damaged.
+// than two frames, or as soon as it is known to have been damaged. What was given up and comes
+// after all, within a second, is taken back.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +29,7 @@ class TickClock {
 
   // `frames` (1 or more) were received together. `damaged`: so many have been seen that were no
   // good; not more of them count than frames are missing. Returns how many before them are now
-  // known to be lost, the damaged ones among them.
+  // known to be lost, the damaged ones among them; below 0: so many of `frames` had been given up.
   int arrived(TimePoint arrival, int frames,
               std::uint64_t damaged = 0) noexcept CARGOBAY_NONBLOCKING;
 
@@ -42,9 +43,13 @@ class TickClock {
   std::int64_t ticks() const noexcept CARGOBAY_NONBLOCKING { return counted_; }
   // Frames that were due at the last arrival, and are late or lost: it is not known yet.
   std::int64_t missing() const noexcept CARGOBAY_NONBLOCKING { return by_time_ - counted_; }
+  // So many are missing that the newest frame may be of any of several ticks: a bunch is still
+  // being handed over, or they are lost. The next arrival, in another tick, tells.
+  bool in_doubt() const noexcept CARGOBAY_NONBLOCKING;
 
  private:
   std::int64_t settle(std::int64_t passed, std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING;
+  std::int64_t take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
 
   Duration tick_;
   bool started_ = false;
@@ -54,6 +59,8 @@ class TickClock {
   std::int64_t counted_ = 0;        // ticks since start, received and lost
   int doubtful_ = 0;                // arrivals in a row, each in another tick, with some missing
   std::int64_t least_missing_ = 0;  // at any of them
+  std::int64_t given_up_ = 0;       // of the lost, those that may still come
+  std::int64_t given_up_at_ = 0;    // by_time_ then
 };
 
 }  // namespace cargobay::rt

@@ -52,6 +52,9 @@ class WheelEstimator {
   void step(const WheelSpeeds& command,
             const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
 
+  // The next reading may be that of several ticks: nobody can tell yet, so it says nothing.
+  void doubt_next_reading() noexcept CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
+
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
   void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
 

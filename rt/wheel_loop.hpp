@@ -31,6 +31,7 @@ class WheelLoop {
 
   // What one tick brought: call these first, in this order, ...
   void lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
+  void doubt_next_reading() noexcept CARGOBAY_NONBLOCKING { estimator_.doubt_next_reading(); }
   void frame(const std::optional<WheelEstimator::Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
   // ... and this once behind them. Returns the command for the wheels, whole mm/s within the
   // robot's range. A target of 0 reached by the acceleration limit is a command of exactly 0.

@@ -149,6 +149,41 @@ TEST(ControlCycle, StopsTheWheelsInSilenceAndGoesOnBehindIt) {
   EXPECT_LT(result.ticks[behind].state.set.left_mm_s, 50.0);
 }
 
+double worst_error(const DriveResult& result) {
+  double worst = 0.0;
+  for (const test::Tick& tick : result.ticks) {
+    worst = std::max(worst, std::abs(tick.state.estimate.left_mm_s - tick.truth.left_mm_s));
+  }
+  return worst;
+}
+
+// How many ticks it was is known by the second frame behind it.
+TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
+  for (const int silent : {4, 7, 9, 12, 40}) {
+    VirtualDrive drive{sim::Parameters{}};
+    drive.on_frame = [&](int frame, ControlCycle&) {
+      if (frame == 200)
+        drive.device.faults().stalled_until = drive.device.now() + silent * oi::kTick;
+    };
+    const DriveResult result = drive.run(400, forward);
+    EXPECT_EQ(result.end, CycleEnd::asked);
+    EXPECT_EQ(result.frames.good, 401U) << silent << ": one of them unanswered";
+    EXPECT_EQ(result.frames.lost, static_cast<std::uint64_t>(silent)) << silent;
+    EXPECT_LT(worst_error(result), 30.0) << silent;
+  }
+}
+
+TEST(ControlCycle, CountsTheFramesOfALinkThatIsLost) {
+  VirtualDrive drive{sim::Parameters{}};
+  drive.on_frame = [&drive](int frame, ControlCycle&) {
+    if (frame == 200) drive.device.faults().stalled_until = std::chrono::seconds{60};
+  };
+  const DriveResult result = drive.run(1000, forward);
+  EXPECT_EQ(result.end, CycleEnd::link_lost);
+  EXPECT_EQ(result.frames.good, 200U);
+  EXPECT_EQ(result.frames.lost, 67U) << "a second's worth";
+}
+
 TEST(ControlCycle, EndsWhereTheRobotFallsSilent) {
   VirtualDrive drive{sim::Parameters{}};
   Damage progress{drive};

@@ -206,6 +206,53 @@ TEST(TickClock, BelievesAtOnceInAFrameThatWasSeenDamaged) {
   EXPECT_EQ(clock.ticks(), 3);
 }
 
+// A robot whose line is full of something else sends its frames much later, in a bunch.
+TEST(TickClock, TakesBackWhatWasGivenUpAndComesAfterAll) {
+  TickClock clock{kTick};
+  clock.start(kStart);
+  EXPECT_EQ(clock.arrived(kStart + 9 * kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 10 * kTick, 1), 8);
+  for (int i = 1; i <= 8; ++i) {
+    EXPECT_EQ(clock.arrived(kStart + 10 * kTick + i * 1ms, 1), -1) << i;
+    EXPECT_TRUE(clock.in_phase());
+  }
+  EXPECT_EQ(clock.ticks(), 10);
+  EXPECT_EQ(clock.arrived(kStart + 11 * kTick, 1), 0);
+  EXPECT_EQ(clock.ticks(), 11);
+  EXPECT_EQ(clock.expected(), kStart + 12 * kTick);
+}
+
+TEST(TickClock, TakesNothingBackASecondLater) {
+  TickClock clock{kTick};
+  clock.start(kStart);
+  (void)clock.arrived(kStart + 9 * kTick, 1);
+  EXPECT_EQ(clock.arrived(kStart + 10 * kTick, 1), 8);
+  for (int tick = 11; tick < 100; ++tick) (void)clock.arrived(kStart + tick * kTick, 1);
+  EXPECT_EQ(clock.arrived(kStart + 99 * kTick + 5ms, 1), 0);
+  EXPECT_FALSE(clock.in_phase());
+}
+
+// A frame that is late by most of a tick, of those given up, is no robot that is early.
+TEST(TickClock, KeepsItsPhaseBehindALoss) {
+  TickClock clock{kTick};
+  clock.start(kStart);
+  EXPECT_EQ(clock.arrived(kStart + 9 * kTick - 3ms, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 10 * kTick - 3ms, 1), 8);
+  EXPECT_EQ(clock.arrived(kStart + 11 * kTick - 3ms, 1), 0);
+  EXPECT_GE(clock.expected(), kStart + 12 * kTick - 100us);
+}
+
+TEST(TickClock, IsInDoubtUntilTheSecondArrivalBehindASilence) {
+  TickClock clock{kTick};
+  clock.start(kStart);
+  EXPECT_EQ(clock.arrived(kStart + 4 * kTick, 1), 0);
+  EXPECT_TRUE(clock.in_doubt());
+  EXPECT_EQ(clock.arrived(kStart + 5 * kTick, 1), 3);
+  EXPECT_FALSE(clock.in_doubt());
+  EXPECT_EQ(clock.arrived(kStart + 8 * kTick, 1), 0);
+  EXPECT_FALSE(clock.in_doubt()) << "two may be late";
+}
+
 TEST(TickClock, FollowsTheRobotsDrift) {
   for (const std::int64_t ppm : {-500, -20, 20, 500}) {
     const Line line{.tick = kTick + kTick * ppm / 1'000'000};
