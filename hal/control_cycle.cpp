@@ -34,7 +34,8 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
       command_time_{oi::wire_time(oi::kDriveDirectBytes, stream.baud())},
       loop_{parameters.loop},
-      ticks_{oi::kTick} {}
+      ticks_{oi::kTick},
+      mode_{parameters.drive_mode} {}
 
 bool ControlCycle::set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
   const auto in_range = [](double speed_mm_s) {
@@ -115,11 +116,23 @@ std::optional<rt::WheelEstimator::Reading> ControlCycle::take_frame() noexcept
     CARGOBAY_NONBLOCKING {
   sensors_.clear();
   (void)oi::decode_frame(decoder_.frame(), sensors_);  // whole: the decoder checked its structure
+  if (sensors_.has(oi::PacketId::oi_mode)) mode_ = sensors_.mode();
+  misheard_ = !as_told();
   if (sensors_.has(oi::PacketId::voltage)) battery_mv_ = sensors_.raw(oi::PacketId::voltage);
   if (!sensors_.has(oi::PacketId::distance) || !sensors_.has(oi::PacketId::angle))
     return std::nullopt;
   return rt::WheelEstimator::Reading{.distance_mm = sensors_.raw(oi::PacketId::distance),
                                      .angle_deg = sensors_.raw(oi::PacketId::angle)};
+}
+
+// Whether the frame is of one of the lists that the robot may be streaming now. A command has no
+// checksum: one damaged on its way may have asked for other packets, or have gone unheard.
+bool ControlCycle::as_told() const noexcept CARGOBAY_NONBLOCKING {
+  if (decoder_.frame().size() != kFrameBytes || !sensors_.has(oi::PacketId::oi_mode)) return false;
+  const bool reads = sensors_.has(oi::PacketId::distance) && sensors_.has(oi::PacketId::angle);
+  const bool window = sensors_.has(oi::PacketId::voltage) && sensors_.has(oi::PacketId::current);
+  return (reads && (list_reads_ || former_list_reads_)) ||
+         (window && !(list_reads_ && former_list_reads_));
 }
 
 // Books the arrival, good and lost, and takes the estimator to the present tick.
@@ -191,11 +204,11 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
   account(arrival, readings);
   CycleState state{.tick = ticks_.ticks(),
                    .arrival = arrival,
-                   .mode = sensors_.mode(),
+                   .mode = mode_,
                    .estimate = loop_.estimate(),
                    .remainder = loop_.belief(),
                    .battery_mv = battery_mv_};
-  const bool in_mode = !sensors_.has(oi::PacketId::oi_mode) || state.mode == parameters_.drive_mode;
+  const bool in_mode = state.mode == parameters_.drive_mode;
   // Behind a silence the second frame tells how many ticks it was: until then there is no estimate.
   if (in_mode && ticks_.in_doubt()) return Step::on;
   const Step step = in_mode ? control(state) : end(CycleEnd::mode_lost);
@@ -212,7 +225,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   state.set = loop_.set();
 
   const bool reads = loop_.next_reads();
-  const Lists lists = reads == list_reads_ ? Lists::as_before : Lists::changed;
+  const Lists lists = reads == list_reads_ && !misheard_ ? Lists::as_before : Lists::changed;
   former_list_reads_ = list_reads_;
   list_reads_ = reads;
   ticks_since_reads_ = list_reads_ || former_list_reads_ ? 0 : ticks_since_reads_ + 1;
@@ -303,7 +316,7 @@ ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command,
 void ControlCycle::stop_wheels() noexcept CARGOBAY_NONBLOCKING {
   if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;
   // In Passive it would not obey, and was reported to spoil the next start.
-  const bool obeys = sensors_.mode() == oi::Mode::safe || sensors_.mode() == oi::Mode::full;
+  const bool obeys = mode_ == oi::Mode::safe || mode_ == oi::Mode::full;
   if (end_ == CycleEnd::mode_lost && !obeys) return;
   (void)send({}, Lists::as_before);  // what fails here, leave() tries again
 }

@@ -138,6 +138,7 @@ class ControlCycle {
   void take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING;
   std::int64_t silent_ticks() const noexcept CARGOBAY_NONBLOCKING;
   void stop_in_silence() noexcept CARGOBAY_NONBLOCKING;
+  bool as_told() const noexcept CARGOBAY_NONBLOCKING;
   void account_for_silence() noexcept CARGOBAY_NONBLOCKING;
   Step control(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   Step late() noexcept CARGOBAY_NONBLOCKING;
@@ -165,6 +166,8 @@ class ControlCycle {
 
   bool list_reads_ = true;  // the list that the robot was last told to stream reads the counters
   bool former_list_reads_ = true;  // the one before it, which may still be in a frame on its way
+  bool misheard_ = false;          // the last frame is of neither
+  oi::Mode mode_;                  // as the robot last said
   int ticks_since_reads_ = 0;      // since one of the two read them
   std::uint64_t damaged_ = 0;      // bad frames that the tick clock has not missed yet
   rt::TimePoint last_arrival_{};   // of a frame

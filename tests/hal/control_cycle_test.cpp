@@ -1,6 +1,7 @@
 #include "hal/control_cycle.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <random>
@@ -171,6 +172,34 @@ TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
     EXPECT_EQ(result.frames.lost, static_cast<std::uint64_t>(silent)) << silent;
     EXPECT_LT(worst_error(result), 30.0) << silent;
   }
+}
+
+void hear(sim::Device& device, std::vector<std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) device.receive(byte);
+}
+
+// A command that was damaged on its way may have been another Stream.
+TEST(ControlCycle, TellsARobotThatMisheardItsListAgain) {
+  for (const std::uint8_t other : std::initializer_list<std::uint8_t>{7, 21, 22}) {
+    VirtualDrive drive{sim::Parameters{}};
+    drive.on_frame = [&](int frame, ControlCycle&) {
+      if (frame == 200) hear(drive.device, {148, 2, 35, other});
+    };
+    const DriveResult result = drive.run(300, forward);
+    EXPECT_EQ(result.end, CycleEnd::asked);
+    EXPECT_EQ(result.frames.good, 300U);
+    EXPECT_EQ(drive.device.stream().packets().size(), 3U) << int{other};
+    EXPECT_LT(worst_error(result), 30.0) << int{other};
+  }
+}
+
+TEST(ControlCycle, KeepsTheModeOfARobotThatMisheardItsList) {
+  VirtualDrive drive{sim::Parameters{}};
+  drive.on_frame = [&](int frame, ControlCycle&) {
+    if (frame == 200) hear(drive.device, {148, 1, 7});
+  };
+  const DriveResult result = drive.run(300, forward);
+  for (const test::Tick& tick : result.ticks) EXPECT_EQ(tick.state.mode, oi::Mode::safe);
 }
 
 TEST(ControlCycle, CountsTheFramesOfALinkThatIsLost) {
