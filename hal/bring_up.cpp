@@ -469,8 +469,11 @@ Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request
 
 bool leave(ByteStream& stream) {
   constexpr int kTries = 3;
+  std::array<std::uint8_t, kResynchronisingBytes> fill{};
+  fill.fill(oi::Start::kOpcode);
   for (int i = 0; i < kTries; ++i) {
-    send(stream, oi::DriveDirect{});  // while it still obeys
+    if (i > 0) (void)stream.write(fill);  // it may be swallowing what it takes for data
+    send(stream, oi::DriveDirect{});      // while it still obeys
     send(stream, oi::PauseResumeStream{oi::StreamState::pause});
     send(stream, oi::Start{});  // Passive: Safe and Full do not charge
     pause(stream, kModeChangeWait);

@@ -13,9 +13,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kSlice{20};  // at most so long until a cancellation is noticed
 constexpr std::uint32_t kSpacedBaud = 115200;
-// The longest command that may have been cut short: Query List with all 255 packets it can name, as
-// a robot may have understood what was sent at another rate.
-constexpr std::size_t kResynchronisingBytes = 2 + 255 + 1;
 constexpr milliseconds kSettle{50};
 constexpr std::size_t kLongestLine = 60;
 constexpr std::size_t kLeastLine = 4;  // characters that are not damage by chance

@@ -36,6 +36,10 @@ struct FramesHeard {
   std::int32_t battery_mv = 0;    // where the list has it
 };
 
+// The longest command that may have been cut short: Query List with all 255 packets it can name, as
+// a robot may have understood what was sent at another rate.
+inline constexpr std::size_t kResynchronisingBytes = 2 + 255 + 1;
+
 class Dialogue final : public gpio::PulseClock {
  public:
   // The stream outlives it. `cancelled` is asked every 20 ms; empty: never cancelled.

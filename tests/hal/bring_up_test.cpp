@@ -137,6 +137,16 @@ TEST_F(BringUp, LeaveStopsTheWheelsAndGoesPassive) {
   EXPECT_FALSE(device_.stream().running());
 }
 
+// The stop would be three notes of the song.
+TEST_F(BringUp, LeaveStopsARobotThatTakesItsCommandsForData) {
+  ASSERT_TRUE(run());
+  send({145, 0, 200, 0, 200});
+  device_.take_half_command();
+  EXPECT_TRUE(leave(link_));
+  EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{});
+  EXPECT_EQ(device_.mode(), oi::Mode::passive);
+}
+
 TEST_F(BringUp, LeaveSaysWhereNobodyConfirms) {
   ASSERT_TRUE(run());
   link_.hang_up();
