@@ -70,6 +70,7 @@ void Device::forget_oi() {
 
 void Device::press_power() {
   if (power_ != Power::off) return switch_off();
+  output_.clear();  // what it had not sent, at 300 baud half a minute's worth, went with the power
   print("key-wakeup\r\n");
   switch_on(kPowerOnTime);
 }

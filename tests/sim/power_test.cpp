@@ -69,6 +69,19 @@ TEST(Power, ForgetsEverythingWhenSwitchedOff) {
   EXPECT_FALSE(robot.device.stream().running());
 }
 
+TEST(Power, LosesWhatWasNotSentYet) {
+  Robot robot;
+  robot.send({128, 129, 0});  // 300 baud
+  robot.wait(200ms);
+  robot.device.print(std::string(500, 'x'));  // a quarter of a minute
+  robot.device.press_power();
+  robot.device.press_power();
+  robot.wait(4s);
+  (void)robot.receive();
+  robot.send({128});
+  EXPECT_EQ(robot.ask({142, 35}), (Bytes{1}));
+}
+
 TEST(Power, FreesARobotThatWaitsForEver) {
   Robot robot;
   robot.send({128, 132, 158, 5});
