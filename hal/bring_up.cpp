@@ -469,10 +469,10 @@ Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request
 
 bool leave(ByteStream& stream) {
   constexpr int kTries = 3;
-  std::array<std::uint8_t, kResynchronisingBytes> fill{};
-  fill.fill(oi::Start::kOpcode);
+  // 0 is no speed where it is data, and no command where it is an opcode.
+  constexpr std::array<std::uint8_t, kResynchronisingBytes> kFill{};
   for (int i = 0; i < kTries; ++i) {
-    if (i > 0) (void)stream.write(fill);  // it may be swallowing what it takes for data
+    if (i > 0) (void)stream.write(kFill);  // it may be swallowing what it takes for data
     send(stream, oi::DriveDirect{});      // while it still obeys
     send(stream, oi::PauseResumeStream{oi::StreamState::pause});
     send(stream, oi::Start{});  // Passive: Safe and Full do not charge
