@@ -175,19 +175,24 @@ class Drive {
         links_{server},
         driver_{.profile = &profile, .duration_s = options.duration_s} {}
 
-  // Fails where no control thread is to be had. `request` is for the links after the first; there
+  // Fails where the first link cannot be driven. `request` is for the links after the first; there
   // are none where it names no port.
   hal::Result<Ending> run(std::unique_ptr<hal::Robot> robot, const hal::ReconnectRequest& request) {
-    for (;;) {
+    Ending ending;
+    for (bool first = true;; first = false) {
       const auto grant = begin_link(*robot);
-      if (!grant) return grant.failure();
+      if (!grant && first) return grant.failure();
+      if (!grant) {
+        ending.why = grant.failure().message;
+        return ending;
+      }
       grant_ = *grant;
-      Ending ending{.signal = follow(*robot, links_, signals_, options_.duration_s)};
+      ending.signal = follow(*robot, links_, signals_, options_.duration_s);
       ending.farewell = robot->stop();
       links_.end_link();
       robot.reset();  // closes the port
       const bool goes_on = !request.port.path.empty() && !ending.signal.has_value() &&
-                           hal::may_reconnect(ending.farewell.end);
+                           !ending.farewell.guard_lost && hal::may_reconnect(ending.farewell.end);
       if (!goes_on) return ending;
       auto back = wait_for_robot(request, ending.farewell.end);
       if (!back) {
