@@ -47,34 +47,34 @@ class KworkerBoostTest : public testing::Test {
   SchedulerCalls scheduler() {
     return {.set_fifo =
                 [this](pid_t thread, int priority) {
-                  if (refuse_at == thread) return refuse_with;
-                  raised.push_back(thread);
+                  if (refuse_at_ == thread) return refuse_with_;
+                  raised_.push_back(thread);
                   add(thread, "kworker/u8:9", kKernelThread, priority);
                   return 0;
                 },
             .set_ordinary =
                 [this](pid_t thread) {
-                  lowered.push_back(thread);
+                  lowered_.push_back(thread);
                   add(thread, "kworker/u8:9", kKernelThread, 0);
                   return 0;
                 }};
   }
 
   std::filesystem::path proc_;
-  pid_t refuse_at = 0;
-  int refuse_with = 0;
-  std::vector<pid_t> raised;
-  std::vector<pid_t> lowered;
+  pid_t refuse_at_ = 0;
+  int refuse_with_ = 0;
+  std::vector<pid_t> raised_;
+  std::vector<pid_t> lowered_;
 };
 
 TEST_F(KworkerBoostTest, RaisesTheOrdinaryOnesOfNoCpuAndLowersThemAgain) {
   KworkerBoost boost{79, proc_, scheduler()};
   ASSERT_EQ(boost.start(), 0);
-  EXPECT_THAT(raised, UnorderedElementsAre(21, 22));
+  EXPECT_THAT(raised_, UnorderedElementsAre(21, 22));
   boost.stop();
-  EXPECT_THAT(lowered, UnorderedElementsAre(21, 22));
+  EXPECT_THAT(lowered_, UnorderedElementsAre(21, 22));
   boost.stop();
-  EXPECT_EQ(lowered.size(), 2U) << "once";
+  EXPECT_EQ(lowered_.size(), 2U) << "once";
 }
 
 TEST_F(KworkerBoostTest, IsUndoneByItsDestructor) {
@@ -82,7 +82,7 @@ TEST_F(KworkerBoostTest, IsUndoneByItsDestructor) {
     KworkerBoost boost{79, proc_, scheduler()};
     ASSERT_EQ(boost.start(), 0);
   }
-  EXPECT_THAT(lowered, UnorderedElementsAre(21, 22));
+  EXPECT_THAT(lowered_, UnorderedElementsAre(21, 22));
 }
 
 TEST_F(KworkerBoostTest, LeavesAloneWhatIsNoLongerAsItMadeIt) {
@@ -91,34 +91,34 @@ TEST_F(KworkerBoostTest, LeavesAloneWhatIsNoLongerAsItMadeIt) {
   add(21, "sshd", 0, 79);                                     // its number was given anew
   add(22, "kworker/u8:1-flush_to_ldisc", kKernelThread, 60);  // somebody else's wish
   boost.stop();
-  EXPECT_THAT(lowered, IsEmpty());
+  EXPECT_THAT(lowered_, IsEmpty());
 }
 
 TEST_F(KworkerBoostTest, ChangesNothingWhereTheRightIsRefused) {
-  refuse_at = 22;
-  refuse_with = EPERM;
+  refuse_at_ = 22;
+  refuse_with_ = EPERM;
   KworkerBoost boost{79, proc_, scheduler()};
   EXPECT_EQ(boost.start(), EPERM);
-  EXPECT_EQ(lowered, raised);
+  EXPECT_EQ(lowered_, raised_);
   EXPECT_THAT(explain_kworker_boost(EPERM),
               AllOf(HasSubstr("Operation not permitted"), HasSubstr("CAP_SYS_NICE")));
 }
 
 TEST_F(KworkerBoostTest, PassesOverOneThatHasEnded) {
-  refuse_at = 21;
-  refuse_with = ESRCH;
+  refuse_at_ = 21;
+  refuse_with_ = ESRCH;
   KworkerBoost boost{79, proc_, scheduler()};
   EXPECT_EQ(boost.start(), 0);
-  EXPECT_THAT(raised, ElementsAre(22));
+  EXPECT_THAT(raised_, ElementsAre(22));
 }
 
 TEST_F(KworkerBoostTest, PutsRightWhatAKilledProcessLeft) {
   add(22, "kworker/u8:1-flush_to_ldisc", kKernelThread, 79);
   KworkerBoost boost{79, proc_, scheduler()};
   ASSERT_EQ(boost.start(), 0);
-  EXPECT_THAT(raised, ElementsAre(21));
+  EXPECT_THAT(raised_, ElementsAre(21));
   boost.stop();
-  EXPECT_THAT(lowered, UnorderedElementsAre(21, 22));
+  EXPECT_THAT(lowered_, UnorderedElementsAre(21, 22));
 }
 
 TEST(KworkerPriority, IsJustBelowTheLoop) { EXPECT_EQ(kworker_priority(80), 79); }

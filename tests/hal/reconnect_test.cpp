@@ -45,48 +45,48 @@ TEST(MayReconnect, WhereTheLinkWasLostAndNotTheMode) {
 class ReconnectTest : public testing::Test {
  protected:
   ReconnectTest() {
-    request.port = {.kind = PortIdentity::Kind::usb,
-                    .path = "/dev/ttyUSB0",
-                    .usb_vendor_id = 0x0403,
-                    .usb_product_id = 0x6001,
-                    .usb_serial = "A1"};
-    request.baud = 57600;
-    request.surroundings = {
+    request_.port = {.kind = PortIdentity::Kind::usb,
+                     .path = "/dev/ttyUSB0",
+                     .usb_vendor_id = 0x0403,
+                     .usb_product_id = 0x6001,
+                     .usb_serial = "A1"};
+    request_.baud = 57600;
+    request_.surroundings = {
         .ports = [this] { return ports(); },
         .open = [this](const std::string& path, std::uint32_t baud) { return open(path, baud); },
         .now = [this] { return now_; },
         .sleep =
             [this](rt::Duration duration) {
               pass(duration);
-              if (duration > longest_sleep) longest_sleep = duration;
+              if (duration > longest_sleep_) longest_sleep_ = duration;
             }};
   }
 
   std::vector<PortInfo> ports() {
-    looked_at.push_back(elapsed());
-    if (now_ < back_at) return {};
+    looked_at_.push_back(elapsed());
+    if (now_ < back_at_) return {};
     PortInfo port{.path = "/dev/ttyUSB1", .usb_serial = "A1"};
     port.usb_vendor_id = 0x0403;
     port.usb_product_id = 0x6001;
     return {port};
   }
   Result<OpenedPort> open(const std::string& path, std::uint32_t baud) {
-    opened.push_back(path);
-    if (opened.size() <= refusals) return Failure{"no permission to open " + path};
-    auto link = std::make_unique<sim::VirtualLink>(device);
+    opened_.push_back(path);
+    if (opened_.size() <= refusals_) return Failure{"no permission to open " + path};
+    auto link = std::make_unique<sim::VirtualLink>(device_);
     EXPECT_FALSE(link->set_baud(baud));
     return OpenedPort{.stream = std::move(link), .remark = "a remark"};
   }
   void pass(rt::Duration duration) { now_ += duration; }
   rt::Duration elapsed() const { return now_ - rt::TimePoint{}; }
 
-  sim::Device device{sim::Parameters{}};
-  ReconnectRequest request;
-  rt::TimePoint back_at{};
-  std::size_t refusals = 0;
-  std::vector<rt::Duration> looked_at;
-  std::vector<std::string> opened;
-  rt::Duration longest_sleep{0};
+  sim::Device device_{sim::Parameters{}};
+  ReconnectRequest request_;
+  rt::TimePoint back_at_{};
+  std::size_t refusals_ = 0;
+  std::vector<rt::Duration> looked_at_;
+  std::vector<std::string> opened_;
+  rt::Duration longest_sleep_{0};
 
  private:
   rt::TimePoint now_{};
@@ -94,35 +94,35 @@ class ReconnectTest : public testing::Test {
 
 TEST_F(ReconnectTest, BringsARobotUpWhosePortIsThereAtOnce) {
   {
-    const auto back = reconnect(request);
+    const auto back = reconnect(request_);
     ASSERT_TRUE(back) << back.failure().message;
     EXPECT_EQ(back->path, "/dev/ttyUSB1");
     EXPECT_EQ(back->remark, "a remark");
-    EXPECT_EQ(device.mode(), oi::Mode::safe);
+    EXPECT_EQ(device_.mode(), oi::Mode::safe);
     EXPECT_EQ(elapsed(), seconds{0});
   }
-  EXPECT_EQ(device.mode(), oi::Mode::passive) << "it is a Robot like any other";
+  EXPECT_EQ(device_.mode(), oi::Mode::passive) << "it is a Robot like any other";
 }
 
 TEST_F(ReconnectTest, FindsAPortWithin400MillisecondsOfItsReturn) {
-  back_at += milliseconds{7001};
-  ASSERT_TRUE(reconnect(request));
-  EXPECT_EQ(looked_at.front(), seconds{0});
-  EXPECT_LE(looked_at.back() - milliseconds{7001}, milliseconds{400});
-  EXPECT_LE(looked_at.size(), 22U) << "and does not look more often than it must";
+  back_at_ += milliseconds{7001};
+  ASSERT_TRUE(reconnect(request_));
+  EXPECT_EQ(looked_at_.front(), seconds{0});
+  EXPECT_LE(looked_at_.back() - milliseconds{7001}, milliseconds{400});
+  EXPECT_LE(looked_at_.size(), 22U) << "and does not look more often than it must";
 }
 
 TEST_F(ReconnectTest, TriesAgainWhereThePortIsNotReadyYet) {
-  refusals = 3;  // until udev has set its permissions
-  ASSERT_TRUE(reconnect(request));
-  EXPECT_EQ(opened.size(), 4U);
+  refusals_ = 3;  // until udev has set its permissions
+  ASSERT_TRUE(reconnect(request_));
+  EXPECT_EQ(opened_.size(), 4U);
   EXPECT_EQ(elapsed(), milliseconds{350});
 }
 
 TEST_F(ReconnectTest, GivesUpAndSaysWhatItTriedLast) {
-  back_at += seconds{3600};
-  request.patience = seconds{5};
-  const auto back = reconnect(request);
+  back_at_ += seconds{3600};
+  request_.patience = seconds{5};
+  const auto back = reconnect(request_);
   ASSERT_FALSE(back);
   EXPECT_GE(elapsed(), seconds{5});
   EXPECT_LE(elapsed(), milliseconds{5020});
@@ -130,32 +130,32 @@ TEST_F(ReconnectTest, GivesUpAndSaysWhatItTriedLast) {
 }
 
 TEST_F(ReconnectTest, SaysWhyAPortThatIsBackCouldNotBeUsed) {
-  refusals = 1000;
-  request.patience = seconds{2};
-  const auto back = reconnect(request);
+  refusals_ = 1000;
+  request_.patience = seconds{2};
+  const auto back = reconnect(request_);
   ASSERT_FALSE(back);
   EXPECT_THAT(back.failure().message, HasSubstr("no permission to open /dev/ttyUSB1"));
 }
 
 TEST_F(ReconnectTest, MayBeCancelledAtAnyTime) {
-  back_at += seconds{3600};
-  request.robot.cancelled = [this] { return elapsed() >= milliseconds{1234}; };
-  const auto back = reconnect(request);
+  back_at_ += seconds{3600};
+  request_.robot.cancelled = [this] { return elapsed() >= milliseconds{1234}; };
+  const auto back = reconnect(request_);
   ASSERT_FALSE(back);
   EXPECT_EQ(back.failure().code, std::errc::interrupted);
   EXPECT_LE(elapsed(), milliseconds{1254});
-  EXPECT_LE(longest_sleep, milliseconds{20});
+  EXPECT_LE(longest_sleep_, milliseconds{20});
 }
 
 // The robot may be off: that its port is there is not all.
 TEST_F(ReconnectTest, EndsABringUpThatOutlastsItsPatience) {
-  device.press_power();
-  request.patience = seconds{2};
-  request.robot.cancelled = [this] {
+  device_.press_power();
+  request_.patience = seconds{2};
+  request_.robot.cancelled = [this] {
     pass(milliseconds{20});  // so often a bring-up asks
     return false;
   };
-  const auto back = reconnect(request);
+  const auto back = reconnect(request_);
   ASSERT_FALSE(back);
   EXPECT_LE(elapsed(), milliseconds{2100});
   EXPECT_THAT(back.failure().message, HasSubstr("within 2 s"));

@@ -160,10 +160,10 @@ void measure(const Channel& channel, rt::Duration duration, rt::Histogram& laten
 }
 
 struct Way {
-  const char* name;
-  bool terminal;
-  bool boosted;
-  bool hogs;
+  const char* name = "";
+  bool terminal = false;
+  bool boosted = false;
+  bool hogs = false;
   rt::Histogram latency_ns{};
 };
 
