@@ -30,6 +30,7 @@ struct Key {
 constexpr double kMostWheelBaseMm = 1000.0;
 constexpr double kMostLagS = 10.0;
 constexpr double kMostAcceleration = 100'000.0;
+constexpr double kMostJerk = 10'000'000.0;
 
 class Reader {
  public:
@@ -216,6 +217,7 @@ std::vector<Key> Reader::robot_keys() {
   return {number_key("wheel_base_mm", kMostWheelBaseMm, config_.wheel_base_mm),
           number_key("lag_s", kMostLagS, config_.lag_s),
           number_key("acceleration_mm_s2", kMostAcceleration, config_.acceleration_mm_s2),
+          number_key("jerk_mm_s3", kMostJerk, config_.jerk_mm_s3),
           {"remainder", [this](const toml::node& node) -> Complaint {
              const std::string text = node.value<std::string>().value_or("");
              if (text != "carried" && text != "lost") return "is \"carried\" or \"lost\"";
@@ -281,7 +283,8 @@ void apply(const Config& config, ControlCycle::Parameters& parameters) {
     loop.estimator.lag_s = *config.lag_s;
     loop.controller.lag_s = *config.lag_s;
   }
-  if (config.acceleration_mm_s2) loop.acceleration_mm_s2 = *config.acceleration_mm_s2;
+  if (config.acceleration_mm_s2) loop.limits.acceleration_mm_s2 = *config.acceleration_mm_s2;
+  if (config.jerk_mm_s3) loop.limits.jerk_mm_s3 = *config.jerk_mm_s3;
   if (config.remainder) loop.estimator.remainder = config.remainder;
 }
 

@@ -22,6 +22,7 @@ struct Config {
   std::optional<double> wheel_base_mm{};
   std::optional<double> lag_s{};
   std::optional<double> acceleration_mm_s2{};
+  std::optional<double> jerk_mm_s3{};  // not said: none
   std::optional<rt::Remainder> remainder{};
   std::optional<int> priority{};
   std::optional<int> cpu{};

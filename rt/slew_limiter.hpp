@@ -1,17 +1,28 @@
-// Limits how fast a wheel's set speed changes.
+// Limits how fast a wheel's set speed changes, and how fast that change sets in.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::rt {
 
+// One thread; no allocation. While the target rests the set speed reaches it exactly, and never
+// goes beyond it. A target that moves may ask for less than the acceleration under way leads to:
+// what is too much of it is dropped at once, past the jerk limit, so that nothing asked to slow
+// down speeds up first.
 class SlewLimiter {
  public:
-  // Above 0, in mm/s^2.
-  explicit SlewLimiter(double acceleration_mm_s2) : acceleration_mm_s2_{acceleration_mm_s2} {}
+  struct Limits {
+    double acceleration_mm_s2 = 1000.0;  // above 0
+    double jerk_mm_s3 = 0.0;             // how fast the acceleration may grow; 0: at once
+  };
 
+  explicit SlewLimiter(const Limits& limits) : limits_{limits} {}
+
+  // Rests at that speed from here on, whatever the limits say: also for the stop that must not
+  // wait.
   void reset(double speed_mm_s) noexcept CARGOBAY_NONBLOCKING {
     speed_mm_s_ = speed_mm_s;
     rate_mm_s2_ = 0.0;
@@ -19,10 +30,12 @@ class SlewLimiter {
 
   // One step of `step_s` seconds towards the target. Returns the speed to follow.
   double step(double target_mm_s, double step_s) noexcept CARGOBAY_NONBLOCKING {
-    const double most = acceleration_mm_s2_ * step_s;
-    const double change = std::clamp(target_mm_s - speed_mm_s_, -most, most);
-    speed_mm_s_ += change;
-    rate_mm_s2_ = change / step_s;
+    const double way_mm_s = target_mm_s - speed_mm_s_;
+    const double most_mm_s = most_change(way_mm_s, step_s);
+    const double change_mm_s = std::clamp(way_mm_s, -most_mm_s, most_mm_s);
+    // By difference it would miss the target by a rounding.
+    speed_mm_s_ = change_mm_s == way_mm_s ? target_mm_s : speed_mm_s_ + change_mm_s;
+    rate_mm_s2_ = change_mm_s / step_s;
     return speed_mm_s_;
   }
   double speed_mm_s() const noexcept CARGOBAY_NONBLOCKING { return speed_mm_s_; }
@@ -30,7 +43,25 @@ class SlewLimiter {
   double rate_mm_s2() const noexcept CARGOBAY_NONBLOCKING { return rate_mm_s2_; }
 
  private:
-  double acceleration_mm_s2_;
+  // The change towards the target that this step may make, not signed.
+  double most_change(double way_mm_s, double step_s) const noexcept CARGOBAY_NONBLOCKING {
+    const double most_mm_s = limits_.acceleration_mm_s2 * step_s;
+    if (limits_.jerk_mm_s3 <= 0.0) return most_mm_s;
+    const double growth_mm_s = limits_.jerk_mm_s3 * step_s * step_s;
+    const double former_mm_s = (way_mm_s < 0.0 ? -rate_mm_s2_ : rate_mm_s2_) * step_s;
+    return std::min({most_mm_s, std::max(0.0, former_mm_s) + growth_mm_s,
+                     fading_change(std::abs(way_mm_s), growth_mm_s)});
+  }
+
+  // The change that, less `growth_mm_s` a step from the next step on, is gone when all steps
+  // together went `way_mm_s`: it takes part in n + 1 of them, less 1 + 2 + ... + n times the
+  // growth.
+  static double fading_change(double way_mm_s, double growth_mm_s) noexcept CARGOBAY_NONBLOCKING {
+    const double n = std::floor((std::sqrt(1.0 + 8.0 * way_mm_s / growth_mm_s) - 1.0) / 2.0);
+    return way_mm_s / (n + 1.0) + growth_mm_s * n / 2.0;
+  }
+
+  Limits limits_;
   double speed_mm_s_ = 0.0;
   double rate_mm_s2_ = 0.0;
 };

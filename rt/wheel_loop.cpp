@@ -13,9 +13,8 @@ WheelLoop::WheelLoop(const Parameters& parameters)
     : parameters_{parameters},
       estimator_{parameters.estimator},
       schedule_{parameters.schedule},
-      left_{SlewLimiter{parameters.acceleration_mm_s2}, VelocityController{parameters.controller}},
-      right_{SlewLimiter{parameters.acceleration_mm_s2},
-             VelocityController{parameters.controller}} {}
+      left_{SlewLimiter{parameters.limits}, VelocityController{parameters.controller}},
+      right_{SlewLimiter{parameters.limits}, VelocityController{parameters.controller}} {}
 
 void WheelLoop::lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
   constexpr int kMostSteps = 100;  // longer than any silence the cycle survives

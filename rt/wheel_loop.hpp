@@ -23,7 +23,7 @@ class WheelLoop {
     WheelEstimator::Parameters estimator{};
     VelocityController::Parameters controller{};
     ReadSchedule::Parameters schedule{};
-    double acceleration_mm_s2 = 1000.0;
+    SlewLimiter::Limits limits{};
     Feedback feedback = Feedback::closed;
   };
 

@@ -41,6 +41,8 @@ line = 22
 [robot]
 wheel_base_mm = 260
 lag_s = 0.12
+acceleration_mm_s2 = 800
+jerk_mm_s3 = 4000
 remainder = "lost"
 [realtime]
 priority = 70
@@ -68,6 +70,8 @@ require = true
   EXPECT_EQ(parameters.loop.estimator.lag_s, 0.12);
   EXPECT_EQ(parameters.loop.controller.lag_s, 0.12);
   EXPECT_EQ(parameters.loop.estimator.remainder, rt::Remainder::lost);
+  EXPECT_EQ(parameters.loop.limits.acceleration_mm_s2, 800.0);
+  EXPECT_EQ(parameters.loop.limits.jerk_mm_s3, 4000.0);
 }
 
 TEST(ConfigFile, LeavesWhatItDoesNotSay) {
@@ -104,6 +108,7 @@ TEST(ConfigFile, SaysWhatAValueIs) {
   complaint("[pins.power_sense]\nopen_drain = true");
   complaint("[robot]\nwheel_base_mm = 0");
   complaint("[robot]\nlag_s = nan");
+  complaint("[robot]\njerk_mm_s3 = -1");
   complaint("[robot]\nremainder = 'kept'");
   EXPECT_THAT(complaint("[realtime]\npriority = 99"), HasSubstr("from 11 to 98"));
 }

@@ -46,7 +46,7 @@ TEST(ControlCycle, NeverSendsTwoCommandsInOneTick) {
 TEST(ControlCycle, LimitsAcceleration) {
   VirtualDrive drive{sim::Parameters{}};
   ControlCycle::Parameters parameters;
-  parameters.loop.acceleration_mm_s2 = 400.0;
+  parameters.loop.limits.acceleration_mm_s2 = 400.0;
   const DriveResult result = drive.run(200, forward, parameters);
   double before = 0.0;
   for (const test::Tick& tick : result.ticks) {

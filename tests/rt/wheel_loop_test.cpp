@@ -99,7 +99,7 @@ TEST(WheelLoop, CommandsExactlyZeroOnceTheSetSpeedIsZero) {
 }
 
 TEST(WheelLoop, LimitsTheAcceleration) {
-  ClosedLoop closed{{}, {.acceleration_mm_s2 = 400.0}};
+  ClosedLoop closed{{}, {.limits = {.acceleration_mm_s2 = 400.0}}};
   WheelSpeeds former;
   for (int tick = 0; tick < 300; ++tick) {
     closed.tick(tick < 150 ? WheelSpeeds{300, -300} : WheelSpeeds{-300, 300});
