@@ -5,18 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "oi/encode.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal {
 namespace {
-
-oi::MmPerSec to_wire(double speed_mm_s) noexcept CARGOBAY_NONBLOCKING {
-  return oi::MmPerSec{static_cast<std::int32_t>(std::lrint(speed_mm_s))};
-}
-
-// Room for DriveDirect and a Stream list behind it.
-using Answer = oi::FixedList<std::uint8_t, 64>;
 
 // Behind the last bit of a frame its bytes may be handed over this much later.
 constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
@@ -25,6 +17,14 @@ constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
 constexpr rt::Duration kQuiet = 2 * oi::kTick;
 // What the adapter and the kernel may add to the way of a frame and of its answer together.
 constexpr rt::Duration kWayAround = std::chrono::milliseconds{2};
+// What takes longer of our own work, which is microseconds, was kept from the processor.
+constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
+
+// Also false where one is no number.
+bool in_range(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+  constexpr double kMost = oi::kMaxWheelSpeed;
+  return std::abs(speeds.left_mm_s) <= kMost && std::abs(speeds.right_mm_s) <= kMost;
+}
 
 }  // namespace
 
@@ -35,13 +35,11 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
       command_time_{oi::wire_time(oi::kDriveDirectBytes, stream.baud())},
       loop_{parameters.loop},
       ticks_{oi::kTick},
-      mode_{parameters.drive_mode} {}
+      mode_watch_{parameters.drive_mode},
+      power_{parameters.power} {}
 
 bool ControlCycle::set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
-  const auto in_range = [](double speed_mm_s) {
-    return std::abs(speed_mm_s) <= oi::kMaxWheelSpeed;
-  };
-  return in_range(speeds.left_mm_s) && in_range(speeds.right_mm_s) && setpoint_.put(speeds);
+  return in_range(speeds) && setpoint_.put(speeds);
 }
 
 CycleEnd ControlCycle::run() noexcept CARGOBAY_NONBLOCKING {
@@ -59,6 +57,7 @@ CycleEnd ControlCycle::run() noexcept CARGOBAY_NONBLOCKING {
 ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   const ByteStream::Wait woken = stream_.wait(wake_time());
   const rt::TimePoint now = stream_.now();
+  woken_ = now;
   if (!guard_.beat(now)) return end(CycleEnd::guarded);
   if (woken == ByteStream::Wait::hung_up) return end(CycleEnd::hung_up);
 
@@ -108,7 +107,11 @@ void ControlCycle::take(oi::StreamDecoder::Outcome outcome,
   if (outcome == oi::StreamDecoder::Outcome::corrupt) {
     ++damaged_;
   } else {
-    (void)readings.push_back(take_frame());  // has room: a frame is at least 5 bytes
+    const std::optional<rt::WheelEstimator::Reading> reading = take_frame();
+    (void)readings.push_back(reading);  // has room: a frame is at least 5 bytes
+    // The clock has not counted it yet.
+    const auto behind = static_cast<std::int64_t>(readings.size());
+    watch(sensors_, ticks_.started() ? ticks_.ticks() + behind : 0);
   }
 }
 
@@ -116,9 +119,7 @@ std::optional<rt::WheelEstimator::Reading> ControlCycle::take_frame() noexcept
     CARGOBAY_NONBLOCKING {
   sensors_.clear();
   (void)oi::decode_frame(decoder_.frame(), sensors_);  // whole: the decoder checked its structure
-  if (sensors_.has(oi::PacketId::oi_mode)) mode_ = sensors_.mode();
   misheard_ = !as_told();
-  if (sensors_.has(oi::PacketId::voltage)) battery_mv_ = sensors_.raw(oi::PacketId::voltage);
   if (!sensors_.has(oi::PacketId::distance) || !sensors_.has(oi::PacketId::angle))
     return std::nullopt;
   return rt::WheelEstimator::Reading{.distance_mm = sensors_.raw(oi::PacketId::distance),
@@ -129,10 +130,36 @@ std::optional<rt::WheelEstimator::Reading> ControlCycle::take_frame() noexcept
 // checksum: one damaged on its way may have asked for other packets, or have gone unheard.
 bool ControlCycle::as_told() const noexcept CARGOBAY_NONBLOCKING {
   if (decoder_.frame().size() != kFrameBytes || !sensors_.has(oi::PacketId::oi_mode)) return false;
-  const bool reads = sensors_.has(oi::PacketId::distance) && sensors_.has(oi::PacketId::angle);
-  const bool window = sensors_.has(oi::PacketId::voltage) && sensors_.has(oi::PacketId::current);
-  return (reads && (list_reads_ || former_list_reads_)) ||
-         (window && !(list_reads_ && former_list_reads_));
+  const auto is_of = [this](FrameList list) {
+    switch (list) {
+      case FrameList::reading:
+        return sensors_.has(oi::PacketId::distance) && sensors_.has(oi::PacketId::charging_sources);
+      case FrameList::hazards: return sensors_.has(oi::PacketId::overcurrents);
+      case FrameList::battery: return sensors_.has(oi::PacketId::battery_capacity);
+    }
+    return false;
+  };
+  return is_of(list_) || is_of(former_list_);
+}
+
+// Looks for what is worth telling.
+void ControlCycle::watch(const oi::SensorValues& frame,
+                         std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
+  for (const Event& event : power_.see(frame)) tell(event, tick);
+  const std::optional<EventKind> change = mode_watch_.see(frame);
+  if (!change) return;
+  if (*change == EventKind::mode_lost) {
+    mode_loss_causes_ = mode_watch_.causes();
+    // Asked for before there was anything to rearm. Who asks upon the event comes later.
+    rearm_requested_.store(false, std::memory_order_relaxed);
+  }
+  tell({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
+}
+
+void ControlCycle::tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
+  event.tick = tick;
+  event.time = woken_;
+  (void)events_.push(event);  // what is dropped is counted
 }
 
 // Books the arrival, good and lost, and takes the estimator to the present tick.
@@ -153,6 +180,10 @@ void ControlCycle::account(rt::TimePoint arrival,
     frames_.bad += bad;
     frames_.lost += never_came;
     if (lost < 0) take_back(static_cast<std::uint64_t>(-lost));
+    if (lost > 0) {
+      tell({.what = EventKind::frames_lost, .frames = static_cast<std::uint32_t>(lost)},
+           ticks_.ticks());
+    }
     // One frame may be damaged in several places, and noise between two frames damages none.
     damaged_ = ticks_.missing() == 0 ? 0 : damaged_ - bad;
     if (ticks_.in_doubt()) {
@@ -160,11 +191,16 @@ void ControlCycle::account(rt::TimePoint arrival,
     } else {
       foreseen_ = 0;
     }
+    // Of several together all but the last are a tick late at least.
+    const bool late = arrival - ticks_.due_by(arrival) > parameters_.late_margin;
+    if (late || readings.size() > 1) ++overruns_.wait;
     period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
   for (const auto& reading : readings) loop_.frame(reading);
   last_arrival_ = arrival;
+  if (stopped_in_silence_) tell(EventKind::silence_ended);
   stopped_in_silence_ = false;
+  stop_owed_ = false;
   deadline_ = ticks_.expected() + parameters_.late_margin;
 }
 
@@ -183,11 +219,13 @@ std::int64_t ControlCycle::silent_ticks() const noexcept CARGOBAY_NONBLOCKING {
 // Up to now the last command was obeyed; from now on none is.
 void ControlCycle::stop_in_silence() noexcept CARGOBAY_NONBLOCKING {
   stopped_in_silence_ = true;
+  stop_owed_ = mode_watch_.state() == ModeWatch::State::driving;
   if (ticks_.started()) {
     foreseen_ = static_cast<int>(silent_ticks());
     loop_.lost(foreseen_, true);
   }
   loop_.stop();
+  tell(EventKind::silence_began);
 }
 
 // The link is lost, and with it what was due by now.
@@ -204,41 +242,82 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
   account(arrival, readings);
   CycleState state{.tick = ticks_.ticks(),
                    .arrival = arrival,
-                   .mode = mode_,
+                   .mode = mode_watch_.mode(),
                    .estimate = loop_.estimate(),
                    .remainder = loop_.belief(),
-                   .battery_mv = battery_mv_};
-  const bool in_mode = state.mode == parameters_.drive_mode;
+                   .battery_mv = power_.battery().voltage_mv,
+                   .hazards = hazards_in(sensors_)};
   // Behind a silence the second frame tells how many ticks it was: until then there is no estimate.
-  if (in_mode && ticks_.in_doubt()) return Step::on;
-  const Step step = in_mode ? control(state) : end(CycleEnd::mode_lost);
+  if (mode_watch_.state() == ModeWatch::State::driving && ticks_.in_doubt()) return Step::on;
+  const Step step = answer_in_mode(state);
   state_.put(state);
   history_.push(state);
   return step;
 }
 
+ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  if (mode_watch_.state() == ModeWatch::State::driving) return control(state);
+  const bool known = mode_watch_.state() == ModeWatch::State::lost;
+  if (known && parameters_.on_mode_loss == OnModeLoss::end) return end(CycleEnd::mode_lost);
+  state.setpoint_lapsed = control_.function == nullptr;
+  return hold();
+}
+
 // Closes the loop on this tick, with one write.
 ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  const rt::TimePoint read = stream_.now();
+  if (read - state.arrival > kOwnWork) ++overruns_.read;
   state.setpoint_lapsed = control_.function == nullptr && setpoint_lapsed(state.arrival);
-  const rt::WheelSpeeds former = loop_.command();
-  state.command = loop_.control(wanted(state));
-  state.set = loop_.set();
+  const rt::WheelSpeeds target = wanted(state);
+  const rt::TimePoint decided = stream_.now();
+  const bool over = control_.function != nullptr && decided - read > parameters_.control_budget;
+  overruns_in_a_row_ = over ? overruns_in_a_row_ + 1 : 0;
+  if (over) ++overruns_.user;
+  if (overruns_in_a_row_ > parameters_.control_overruns_allowed)
+    return end(CycleEnd::control_overrun);
 
-  const bool reads = loop_.next_reads();
-  const Lists lists = reads == list_reads_ && !misheard_ ? Lists::as_before : Lists::changed;
-  former_list_reads_ = list_reads_;
-  list_reads_ = reads;
-  ticks_since_reads_ = list_reads_ || former_list_reads_ ? 0 : ticks_since_reads_ + 1;
-  const Sent sent = tick_has_command(stream_.now()) ? Sent::withheld : send(state.command, lists);
-  frame_to_command_ns_.record(static_cast<std::uint64_t>((stream_.now() - state.arrival).count()));
+  state.command = loop_.control(target);
+  state.set = loop_.set();
+  const FrameList list = next_list();
+  const Sent sent = tick_has_command(stream_.now()) ? Sent::withheld : send(state.command, list);
+  const rt::TimePoint written = stream_.now();
+  if (written - decided > kOwnWork) ++overruns_.write;
+  frame_to_command_ns_.record(static_cast<std::uint64_t>((written - state.arrival).count()));
   if (sent == Sent::failed) return end(CycleEnd::hung_up);
   if (sent != Sent::whole) {
     ++(sent == Sent::withheld ? withheld_ : unsent_);
-    loop_.not_sent(former);
-    state.command = former;
-    list_reads_ = former_list_reads_;
+    loop_.not_sent(acting_);
+    state.command = acting_;
   }
   return Step::on;
+}
+
+// The robot is not in its mode: it obeys no wheel command, and what was asked of the wheels counts
+// no more. Only lists are sent, and the mode where somebody asked for it.
+ControlCycle::Step ControlCycle::hold() noexcept CARGOBAY_NONBLOCKING {
+  loop_.stop();
+  acting_ = {};
+  setpoint_serial_ = setpoint_.get().serial;
+  setpoint_alive_ = false;
+  const FrameList list = next_list();
+  if (mode_watch_.state() == ModeWatch::State::lost &&
+      rearm_requested_.exchange(false, std::memory_order_relaxed)) {
+    outgoing_.add_mode(parameters_.drive_mode);
+    mode_watch_.rearm();
+  }
+  if (list != list_ || misheard_) outgoing_.add_list(list);
+  return write_out() == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
+}
+
+FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
+  using Counters = FrameRotation::Counters;
+  const bool searching = mode_watch_.state() == ModeWatch::State::searching;
+  const Counters counters = loop_.next_reads() ? Counters::wanted : Counters::not_wanted;
+  const FrameList next = searching ? mode_watch_.wanted() : rotation_.next(counters);
+  former_list_ = list_;
+  const bool may_read = next == FrameList::reading || former_list_ == FrameList::reading;
+  ticks_since_reads_ = may_read ? 0 : ticks_since_reads_ + 1;
+  return next;
 }
 
 // Whether the robot may get what is sent now in the same tick as the last command: a frame that was
@@ -252,25 +331,33 @@ bool ControlCycle::tick_has_command(rt::TimePoint now) const noexcept CARGOBAY_N
 }
 
 rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-  if (control_.function != nullptr) {
-    const double seconds = static_cast<double>(state.tick) * rt::seconds(oi::kTick);
-    const rt::WheelSpeeds speeds = control_.function(control_.context, state, seconds);
-    constexpr double kMost = oi::kMaxWheelSpeed;
-    const bool sane = std::abs(speeds.left_mm_s) <= kMost && std::abs(speeds.right_mm_s) <= kMost;
-    return sane ? speeds : rt::WheelSpeeds{};  // also where it is no number
-  }
+  if (control_.function != nullptr) return ask_control(state);
   return state.setpoint_lapsed ? rt::WheelSpeeds{} : setpoint_.get().speeds;
 }
 
-// A setpoint counts from the cycle that first sees it.
+rt::WheelSpeeds ControlCycle::ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  const double seconds = static_cast<double>(state.tick) * rt::seconds(oi::kTick);
+  const rt::WheelSpeeds speeds = control_.function(control_.context, state, seconds);
+  const bool sane = in_range(speeds);
+  if (!sane) ++refused_;
+  if (!sane && control_was_sane_) tell(EventKind::control_refused);
+  control_was_sane_ = sane;
+  return sane ? speeds : rt::WheelSpeeds{};
+}
+
+// A setpoint counts from the cycle that first sees it. One that has lapsed stays so.
 bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
   const std::uint32_t serial = setpoint_.get().serial;
-  if (serial == 0) return true;
   if (serial != setpoint_serial_) {
     setpoint_serial_ = serial;
     setpoint_time_ = now;
+    setpoint_alive_ = true;
   }
-  return now - setpoint_time_ > parameters_.setpoint_lapse;
+  if (setpoint_alive_ && now - setpoint_time_ > parameters_.setpoint_lapse) {
+    setpoint_alive_ = false;
+    tell(EventKind::setpoint_lapsed);
+  }
+  return !setpoint_alive_;
 }
 
 // The deadline passed without a frame. What was last commanded goes on acting; nothing is sent, so
@@ -286,39 +373,47 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
     account_for_silence();
     return end(CycleEnd::link_lost);
   }
-  if (silence >= parameters_.stop_after && !stopped_in_silence_) {
-    stop_in_silence();
-    if (send({}, Lists::as_before) == Sent::failed) return end(CycleEnd::hung_up);
-  }
-  return Step::on;
+  if (silence >= parameters_.stop_after && !stopped_in_silence_) stop_in_silence();
+  if (!stop_owed_) return Step::on;
+  const Sent sent = send({}, list_);
+  stop_owed_ = sent == Sent::not_whole;
+  if (stop_owed_) ++unsent_;
+  return sent == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
 }
 
+// Whole means that this very command was.
 ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command,
-                                      Lists lists) noexcept CARGOBAY_NONBLOCKING {
-  Answer answer;
-  const auto drive = oi::encode(
-      oi::DriveDirect{.left = to_wire(command.left_mm_s), .right = to_wire(command.right_mm_s)});
-  bool whole =
-      drive.has_value() && answer.append(*drive);  // by construction: the loop keeps the range
-  if (lists == Lists::changed) {
-    const auto list = oi::encode(oi::Stream{list_reads_ ? kReadingList : kWindowList});
-    whole = whole && list.has_value() && answer.append(*list);
-  }
+                                      FrameList list) noexcept CARGOBAY_NONBLOCKING {
   last_command_ = stream_.now();
-  if (!guard_.begin_write(answer.size())) return Sent::withheld;  // the next pass ends the cycle
-  const ByteStream::Transfer transfer = stream_.write(answer);
+  // The rest of a command is one: another behind it would be the second in this tick. A stop does
+  // not wait for the next.
+  const bool only_rest = outgoing_.drives() && command != rt::WheelSpeeds{};
+  if (!only_rest) outgoing_.add_drive(command);
+  if (!only_rest && (list != list_ || misheard_)) outgoing_.add_list(list);
+  const Sent sent = write_out();
+  return only_rest && sent == Sent::whole ? Sent::withheld : sent;
+}
+
+// Gives the port what is outgoing, in one write.
+ControlCycle::Sent ControlCycle::write_out() noexcept CARGOBAY_NONBLOCKING {
+  if (outgoing_.empty()) return Sent::whole;
+  // The next pass ends the cycle.
+  if (!guard_.begin_write(outgoing_.bytes().size())) return Sent::withheld;
+  const ByteStream::Transfer transfer = stream_.write(outgoing_.bytes());
   if (transfer.error != 0 && transfer.error != EAGAIN) return Sent::failed;
-  if (!whole || transfer.count != answer.size()) return Sent::not_whole;
-  guard_.end_write();
-  return Sent::whole;
+  const Outgoing::Taken taken = outgoing_.took(transfer.count);
+  if (outgoing_.empty()) guard_.end_write();
+  if (taken.list) list_ = taken.streamed;
+  if (taken.drive) acting_ = taken.speeds;
+  return taken.missed_drive ? Sent::not_whole : Sent::whole;
 }
 
 void ControlCycle::stop_wheels() noexcept CARGOBAY_NONBLOCKING {
   if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;
   // In Passive it would not obey, and was reported to spoil the next start.
-  const bool obeys = mode_ == oi::Mode::safe || mode_ == oi::Mode::full;
-  if (end_ == CycleEnd::mode_lost && !obeys) return;
-  (void)send({}, Lists::as_before);  // what fails here, leave() tries again
+  const bool obeys = mode_watch_.mode() == oi::Mode::safe || mode_watch_.mode() == oi::Mode::full;
+  if (mode_watch_.state() != ModeWatch::State::driving && !obeys) return;
+  (void)send({}, list_);  // what fails here, leave() tries again
 }
 
 }  // namespace cargobay::hal

@@ -11,8 +11,13 @@
 #include <span>
 
 #include "hal/byte_stream.hpp"
+#include "hal/events.hpp"
 #include "hal/frame_lists.hpp"
+#include "hal/frame_rotation.hpp"
 #include "hal/guard_mark.hpp"
+#include "hal/mode_watch.hpp"
+#include "hal/outgoing.hpp"
+#include "hal/power_watch.hpp"
 #include "oi/command_table.hpp"
 #include "oi/fixed_list.hpp"
 #include "oi/sensors.hpp"
@@ -28,11 +33,18 @@ namespace cargobay::hal {
 
 // Why the cycle ended.
 enum class CycleEnd : std::uint8_t {
-  asked,      // request_stop()
-  link_lost,  // no frame for longer than link_timeout
-  mode_lost,  // the robot left the mode it was driven in: cliff, wheel drop, charger, or its button
-  hung_up,    // the port is gone, or takes nothing any more
-  guarded,    // the cycle stood still for so long that its guard stopped the robot
+  asked,            // request_stop()
+  link_lost,        // no frame for longer than link_timeout
+  mode_lost,        // the robot left the mode it was driven in: mode_loss_causes()
+  hung_up,          // the port is gone, or takes nothing any more
+  guarded,          // the cycle stood still for so long that its guard stopped the robot
+  control_overrun,  // the control function was over its budget too many times in a row
+};
+
+// What the cycle does when the robot has left its mode by itself, and the cause has been told.
+enum class OnModeLoss : std::uint8_t {
+  end,   // it ends
+  hold,  // it goes on, driving nothing, until request_rearm() or request_stop()
 };
 
 // One tick of the loop, as others see it.
@@ -46,6 +58,7 @@ struct CycleState {
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
   bool setpoint_lapsed = false;
   std::int32_t battery_mv = 0;  // 0 until the first frame that tells
+  Hazards hazards{};            // that this frame tells of, whether or not they stop the robot
 };
 
 // Behind the first frame each tick of the robot is counted once: good, bad or lost. What may still
@@ -57,9 +70,18 @@ struct FrameCounters {
   std::uint64_t late = 0;  // deadlines that passed without a frame
 };
 
+// How often a phase of the cycle took longer than it may. Each is counted for itself.
+struct PhaseOverruns {
+  std::uint64_t wait = 0;   // the frame was here more than late_margin behind its time
+  std::uint64_t read = 0;   // taking and understanding it: 1 ms
+  std::uint64_t user = 0;   // the control function: control_budget
+  std::uint64_t write = 0;  // control and sending: 1 ms
+};
+
 // Called once a frame on the control thread, between estimate and command: returns the wheel speeds
-// wanted. It must not block, lock, allocate or throw. `seconds` is robot time since the first
-// frame.
+// wanted, each within -500 to 500 mm/s; for others the wheels stop, and they are counted. It must
+// not block, lock, allocate or throw. `seconds` is robot time since the first frame. While the
+// robot has lost its mode it is not called.
 struct ControlFunction {
   rt::WheelSpeeds (*function)(void* context, const CycleState& state,
                               double seconds) noexcept CARGOBAY_NONBLOCKING = nullptr;
@@ -75,6 +97,14 @@ class ControlCycle {
     rt::Duration stop_after = std::chrono::milliseconds{150};  // of silence: the wheels are stopped
     rt::Duration link_timeout = std::chrono::seconds{1};       // of silence: the cycle ends
     rt::Duration setpoint_lapse = std::chrono::milliseconds{500};
+    // For each call of the control function. At 19200 baud frame, command and a new list take 14 of
+    // the tick's 15 ms on the wire: with 2 ms more the command is in its tick still.
+    rt::Duration control_budget = std::chrono::milliseconds{2};
+    // In a row; one more, and the wheels are stopped and the cycle ends. Ten ticks are the 150 ms
+    // that the robot may be silent before the wheels are stopped: no worse to steer by.
+    int control_overruns_allowed = 10;
+    OnModeLoss on_mode_loss = OnModeLoss::end;
+    PowerWatch::Limits power{};
   };
   static constexpr std::size_t kHistory = 4096;  // about a minute of states
 
@@ -96,7 +126,8 @@ class ControlCycle {
     stop_requested_.store(true, std::memory_order_relaxed);
   }
   // From any thread. False for speeds that are no number or beyond the robot's range. A setpoint
-  // lapses after setpoint_lapse, and the wheels stop.
+  // lapses after setpoint_lapse, and when the robot loses its mode; then the wheels stop, and stay
+  // so until a new one is set.
   [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING;
 
   // From any thread: for so long from now the robot's silence is no lost link, as while it plays a
@@ -105,10 +136,20 @@ class ControlCycle {
     expected_until_.store(stream_.now() + duration, std::memory_order_relaxed);
   }
 
+  // From any thread. Where the mode was lost and the cycle holds: tells the robot to go back to it,
+  // once, and drives on when it has. What comes of it is an event. Otherwise nothing happens.
+  void request_rearm() noexcept CARGOBAY_NONBLOCKING {
+    rearm_requested_.store(true, std::memory_order_relaxed);
+  }
+
   // From any thread.
   std::optional<CycleState> state() const noexcept CARGOBAY_NONBLOCKING { return state_.get(); }
   // From one other thread: the states of all ticks, oldest first; false where there is none.
   bool next_state(CycleState& state) noexcept CARGOBAY_NONBLOCKING { return history_.pop(state); }
+  // The same for the events.
+  bool next_event(Event& event) noexcept CARGOBAY_NONBLOCKING { return events_.pop(event); }
+  // Events that found no room, because nobody took them. From any thread.
+  std::uint64_t events_dropped() const noexcept CARGOBAY_NONBLOCKING { return events_.dropped(); }
 
   // After run() has returned.
   const FrameCounters& frames() const { return frames_; }
@@ -118,11 +159,15 @@ class ControlCycle {
   std::uint64_t unsent_commands() const { return unsent_; }
   // Commands not sent because the robot might have got them in the same tick as the one before.
   std::uint64_t withheld_commands() const { return withheld_; }
+  const PhaseOverruns& overruns() const { return overruns_; }
+  // Answers of the control function that no robot can follow.
+  std::uint64_t refused_controls() const { return refused_; }
+  // Why the mode was lost, the last time that it was; none where no sensor said.
+  Hazards mode_loss_causes() const { return mode_loss_causes_; }
 
  private:
   enum class Step : std::uint8_t { on, ended };
   enum class Sent : std::uint8_t { whole, not_whole, withheld, failed };
-  enum class Lists : std::uint8_t { as_before, changed };
   static constexpr std::size_t kReceiveBytes = 1024;
   // One entry a frame: what it says of the counters.
   using Readings = oi::FixedList<std::optional<rt::WheelEstimator::Reading>, kReceiveBytes / 4>;
@@ -140,13 +185,21 @@ class ControlCycle {
   void stop_in_silence() noexcept CARGOBAY_NONBLOCKING;
   bool as_told() const noexcept CARGOBAY_NONBLOCKING;
   void account_for_silence() noexcept CARGOBAY_NONBLOCKING;
+  Step answer_in_mode(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   Step control(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
+  Step hold() noexcept CARGOBAY_NONBLOCKING;
   Step late() noexcept CARGOBAY_NONBLOCKING;
+  FrameList next_list() noexcept CARGOBAY_NONBLOCKING;
   bool tick_has_command(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING;
-  Sent send(const rt::WheelSpeeds& command, Lists lists) noexcept CARGOBAY_NONBLOCKING;
+  Sent send(const rt::WheelSpeeds& command, FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  Sent write_out() noexcept CARGOBAY_NONBLOCKING;
   void stop_wheels() noexcept CARGOBAY_NONBLOCKING;
   rt::WheelSpeeds wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
+  rt::WheelSpeeds ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   bool setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
+  void watch(const oi::SensorValues& frame, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING;
+  void tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING;
+  void tell(EventKind what) noexcept CARGOBAY_NONBLOCKING { tell({.what = what}, ticks_.ticks()); }
   Step end(CycleEnd why) noexcept CARGOBAY_NONBLOCKING {
     end_ = why;
     return Step::ended;
@@ -164,21 +217,30 @@ class ControlCycle {
   oi::SensorValues sensors_{};
   std::array<std::uint8_t, kReceiveBytes> received_{};
 
-  bool list_reads_ = true;  // the list that the robot was last told to stream reads the counters
-  bool former_list_reads_ = true;  // the one before it, which may still be in a frame on its way
-  bool misheard_ = false;          // the last frame is of neither
-  oi::Mode mode_;                  // as the robot last said
-  int ticks_since_reads_ = 0;      // since one of the two read them
-  std::uint64_t damaged_ = 0;      // bad frames that the tick clock has not missed yet
-  rt::TimePoint last_arrival_{};   // of a frame
+  FrameRotation rotation_{};
+  FrameList list_ = FrameList::reading;         // that the robot was last told to stream
+  FrameList former_list_ = FrameList::reading;  // may still be in a frame on its way
+  bool misheard_ = false;                       // the last frame is of neither
+  int ticks_since_reads_ = 0;                   // since one of the two read the counters
+  std::uint64_t damaged_ = 0;                   // bad frames that the tick clock has not missed yet
+  rt::TimePoint woken_{};
+  rt::TimePoint last_arrival_{};  // of a frame
   rt::TimePoint last_bytes_{};
   rt::TimePoint last_command_{};
+  Outgoing outgoing_{};
+  rt::WheelSpeeds acting_{};  // the last command that the robot got whole
   rt::TimePoint deadline_{};
   bool stopped_in_silence_ = false;
-  int foreseen_ = 0;  // ticks of a silence that the loop has gone through, counted or not
+  int foreseen_ = 0;        // ticks of a silence that the loop has gone through, counted or not
+  bool stop_owed_ = false;  // the port has not taken it whole
   rt::TimePoint setpoint_time_{};
   std::uint32_t setpoint_serial_ = 0;
-  std::int32_t battery_mv_ = 0;
+  bool setpoint_alive_ = false;
+  bool control_was_sane_ = true;
+  int overruns_in_a_row_ = 0;  // of the control function
+  ModeWatch mode_watch_;
+  PowerWatch power_;
+  Hazards mode_loss_causes_{};
   CycleEnd end_ = CycleEnd::asked;
 
   FrameCounters frames_{};
@@ -186,13 +248,17 @@ class ControlCycle {
   rt::Histogram frame_to_command_ns_{};
   std::uint64_t unsent_ = 0;
   std::uint64_t withheld_ = 0;
+  PhaseOverruns overruns_{};
+  std::uint64_t refused_ = 0;
 
   std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> rearm_requested_{false};
   std::atomic<rt::TimePoint> expected_until_{
       rt::TimePoint{}};  // of a silence; carries nothing else
   rt::SetpointCell setpoint_{};
   rt::Mailbox<CycleState> state_{};
   rt::SpscRing<CycleState, kHistory> history_{};
+  EventRing events_{};
 };
 
 }  // namespace cargobay::hal

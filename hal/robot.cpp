@@ -22,6 +22,15 @@ Failure refused(const rt::RealtimeGrant& grant) {
   return {std::move(message)};
 }
 
+// A robot that was lifted sees cliffs as well.
+std::string remedy(Hazards causes) {
+  if (causes.has(Hazard::wheel_drop_left) || causes.has(Hazard::wheel_drop_right) ||
+      causes.has(Hazard::wheel_drop_front)) {
+    return "set it on its wheels";
+  }
+  return causes.has(Hazard::charger) ? "unplug it" : "move it away from the edge";
+}
+
 }  // namespace
 
 Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
@@ -94,6 +103,7 @@ Robot::Farewell Robot::stop() {
   if (std::exchange(left_, true)) return farewell_;
   cycle_->request_stop();
   thread_.join();
+  farewell_.causes = cycle_->mode_loss_causes();
   (void)stream_->set_wake_threshold(
       1);  // leave() reads single bytes; where this fails it times out
   farewell_.guard_lost = guard_ && farewell_.end != CycleEnd::guarded && guard_lost();
@@ -107,21 +117,28 @@ Robot::Farewell Robot::stop() {
   return farewell_;
 }
 
-std::string explain(CycleEnd end) {
-  switch (end) {
+std::string explain(const Robot::Farewell& farewell) {
+  switch (farewell.end) {
     case CycleEnd::asked: return "";
     case CycleEnd::link_lost:
       return "the robot fell silent; check the cable and the battery, then start again";
     case CycleEnd::mode_lost:
-      return "the robot left its mode and stopped: a cliff, a raised wheel, the charger or its "
-             "power "
-             "button; set it on its wheels, unplug the charger, then start again";
+      if (farewell.causes.any()) {
+        return describe(farewell.causes) + ": the robot stopped and left its mode; " +
+               remedy(farewell.causes) + ", then start again";
+      }
+      return "the robot left its mode and stopped, and no sensor says why: something that it saw "
+             "for an instant, or its power button; look at it, then start again";
     case CycleEnd::hung_up:
       return "the port hung up: unplugged, or the virtual Create ended; plug it in and start again";
     case CycleEnd::guarded:
       return "the loop stood still for too long, and its guard stopped the robot: the program was "
              "suspended, its control function did not return, or others took the CPU; see: "
              "cargobay doctor";
+    case CycleEnd::control_overrun:
+      return "the control function was over its time budget too many times in a row, and the robot "
+             "was stopped; do less in it, leave the rest to another thread, or raise "
+             "control_budget";
   }
   return "";
 }

@@ -50,6 +50,7 @@ class Robot {
     CycleEnd end = CycleEnd::asked;
     bool confirmed_passive = false;  // the robot itself said so
     bool guard_lost = false;         // it was driven without, for a while
+    Hazards causes{};                // of mode_lost; none where no sensor said why
   };
   // Ends the cycle and its thread, stops the wheels, goes Passive. Blocks for up to 1 s.
   Farewell stop();
@@ -76,6 +77,6 @@ class Robot {
 };
 
 // One line: why the cycle ended, and what to do. Empty where it was asked to.
-std::string explain(CycleEnd end);
+std::string explain(const Robot::Farewell& farewell);
 
 }  // namespace cargobay::hal

@@ -112,7 +112,7 @@ struct Ending {
 std::string complaint(const Ending& ending, const std::optional<hal::Failure>& unsaved) {
   if (!ending.why.empty()) return ending.why;
   const hal::Robot::Farewell& farewell = ending.farewell;
-  if (farewell.end != hal::CycleEnd::asked) return hal::explain(farewell.end);
+  if (farewell.end != hal::CycleEnd::asked) return hal::explain(farewell);
   if (farewell.guard_lost) {
     return "the guard process died, so the robot was stopped; find out who killed it (dmesg tells "
            "of "

@@ -79,8 +79,8 @@ TEST_F(BringUp, RefusesAStreamThatDoesNotFit) {
   ASSERT_FALSE(link_.set_baud(4800));
   const auto report = run();
   ASSERT_FALSE(report);
-  EXPECT_THAT(report.failure().message, HasSubstr("11 bytes every 15 ms do not fit 4800 baud"));
-  EXPECT_THAT(report.failure().message, HasSubstr("choose 9600 baud or more"));
+  EXPECT_THAT(report.failure().message, HasSubstr("16 bytes every 15 ms do not fit 4800 baud"));
+  EXPECT_THAT(report.failure().message, HasSubstr("choose 14400 baud or more"));
   EXPECT_EQ(device_.counters().bytes_received, 0U);
 }
 

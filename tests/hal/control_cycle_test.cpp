@@ -61,12 +61,27 @@ TEST(ControlCycle, StandsStillForAControlFunctionThatReturnsNoNumber) {
   const DriveResult result = drive.run(
       100, [](double) { return rt::WheelSpeeds{std::numeric_limits<double>::quiet_NaN(), 100.0}; });
   EXPECT_EQ(result.ticks.back().state.command, rt::WheelSpeeds{});
+  EXPECT_EQ(result.refused_controls, 100U);
+  ASSERT_EQ(result.events.size(), 1U) << "told once";
+  EXPECT_EQ(result.events[0].what, EventKind::control_refused);
 }
 
 TEST(ControlCycle, StandsStillForAControlFunctionThatAsksTooMuch) {
   VirtualDrive drive{sim::Parameters{}};
   const DriveResult result = drive.run(100, [](double) { return rt::WheelSpeeds{501.0, 0.0}; });
   EXPECT_EQ(result.ticks.back().state.command, rt::WheelSpeeds{});
+  EXPECT_EQ(result.refused_controls, 100U);
+}
+
+TEST(ControlCycle, TellsAgainOfAControlFunctionThatWasSaneBetween) {
+  VirtualDrive drive{sim::Parameters{}};
+  int calls = 0;
+  const DriveResult result = drive.run(600, [&calls](double) {
+    return ++calls % 2 == 0 ? rt::WheelSpeeds{0.0, 600.0} : rt::WheelSpeeds{};
+  });
+  EXPECT_EQ(result.refused_controls, 300U);
+  EXPECT_EQ(result.events.size(), kMostEvents) << "nobody took them";
+  EXPECT_EQ(result.events_dropped, 300U - kMostEvents);
 }
 
 // Runs a cycle that follows setpoints, not a control function: `each` is called for every frame
@@ -144,6 +159,11 @@ TEST(ControlCycle, StopsTheWheelsInSilenceAndGoesOnBehindIt) {
   EXPECT_EQ(result.end, CycleEnd::asked);
   EXPECT_EQ(in_silence, rt::WheelSpeeds{});
   EXPECT_NEAR(static_cast<double>(result.frames.lost), 20.0, 1.0);
+  std::map<EventKind, int> told;
+  for (const Event& event : result.events) ++told[event.what];
+  EXPECT_EQ(told[EventKind::silence_began], 1);
+  EXPECT_EQ(told[EventKind::silence_ended], 1);
+  EXPECT_EQ(told[EventKind::frames_lost], 1);
   EXPECT_NEAR(result.ticks.back().truth.left_mm_s, 200.0, 10.0);
   // From standing, by the acceleration limit: no jump.
   const std::size_t behind = 201;
@@ -310,6 +330,24 @@ TEST_F(Setpoints, LapseAfterHalfASecond) {
   });
   EXPECT_NE(commanded[33], rt::WheelSpeeds{});  // 0.48 s
   EXPECT_EQ(commanded[60], rt::WheelSpeeds{});  // and the acceleration limit behind it
+}
+
+TEST_F(Setpoints, StayLapsedUntilANewOneIsSet) {
+  run(600, [&](int frame) {
+    if (frame == 1 || frame == 500) {
+      EXPECT_TRUE(cycle_.set_speeds({200.0, 200.0}));
+    }
+    if (frame > 70 && frame <= 500) {
+      EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{}) << frame;
+    }
+    if (frame == 520) {
+      EXPECT_GT(device_.commanded().left_mm_s, 150.0) << "the same speeds, set anew";
+    }
+  });
+  Event event;
+  int lapses = 0;
+  while (cycle_.next_event(event)) lapses += event.what == EventKind::setpoint_lapsed ? 1 : 0;
+  EXPECT_EQ(lapses, 2);
 }
 
 TEST_F(Setpoints, LastWhileTheyAreRenewed) {

@@ -1,6 +1,8 @@
-// A byte stream that damages what the robot sends before the host reads it.
+// A byte stream that damages what the robot sends before the host reads it, and takes less of what
+// the host sends than it is given.
 #pragma once
 
+#include <cerrno>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -18,6 +20,8 @@ class DamagedStream final : public ByteStream {
   std::function<void()> before_wait{};
   // Called with what each read returned; may change it, and returns how many bytes are left.
   std::function<std::size_t(std::span<std::uint8_t>)> damage{};
+  // Called with what is to be written; returns how much of it, from its beginning, is taken.
+  std::function<std::size_t(std::span<const std::uint8_t>)> accept{};
 
   // In virtual time the robot runs on the thread that waits for it, and so do the test's own
   // functions: they may allocate.
@@ -36,7 +40,9 @@ class DamagedStream final : public ByteStream {
     return transfer;
   }
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    return stream_->write(bytes);
+    const std::size_t taken = rt::unchecked([&] { return accept ? accept(bytes) : bytes.size(); });
+    if (taken == 0) return {.error = EAGAIN};
+    return stream_->write(bytes.first(taken));
   }
   rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_->now(); }
   std::uint32_t baud() const override { return stream_->baud(); }

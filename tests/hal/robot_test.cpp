@@ -250,12 +250,27 @@ TEST_F(RobotTest, IsNotOpenedWhereItDoesNotAnswer) {
 }
 
 TEST(CycleEndText, SaysWhatToDo) {
-  EXPECT_EQ(explain(CycleEnd::asked), "");
+  EXPECT_EQ(explain({.end = CycleEnd::asked}), "");
   for (const CycleEnd end : {CycleEnd::link_lost, CycleEnd::mode_lost, CycleEnd::hung_up}) {
-    const std::string text = explain(end);
+    const std::string text = explain({.end = end});
     EXPECT_NE(text.find("start again"), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
   }
+  EXPECT_NE(explain({.end = CycleEnd::control_overrun}).find("control_budget"), std::string::npos);
+}
+
+TEST(CycleEndText, NamesTheCauseOfALostMode) {
+  EXPECT_EQ(
+      explain({.end = CycleEnd::mode_lost, .causes = Hazards{}.with(Hazard::cliff_front_left)}),
+      "a cliff at the front left: the robot stopped and left its mode; move it away from the "
+      "edge, then start again");
+  const auto lifted = Hazards{}.with(Hazard::cliff_left).with(Hazard::wheel_drop_right);
+  EXPECT_EQ(explain({.end = CycleEnd::mode_lost, .causes = lifted}),
+            "the right wheel hangs in the air and a cliff at the left: the robot stopped and left "
+            "its mode; set it on its wheels, then start again");
+  EXPECT_NE(explain({.end = CycleEnd::mode_lost, .causes = Hazards{}.with(Hazard::charger)})
+                .find("unplug"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -27,6 +27,12 @@ struct DriveResult {
   FrameCounters frames{};
   std::vector<Tick> ticks{};
   std::vector<sim::DriveRecord> commands{};
+  std::vector<Event> events{};
+  std::uint64_t events_dropped = 0;
+  PhaseOverruns overruns{};
+  std::uint64_t refused_controls = 0;
+  std::uint64_t unsent_commands = 0;
+  Hazards causes{};  // of the loss of the mode
 };
 
 class VirtualDrive {
@@ -59,11 +65,7 @@ class VirtualDrive {
     EXPECT_FALSE(link.set_wake_threshold(1));
     line.damage = {};
     result_.confirmed_passive = leave(line);
-    result_.frames = cycle_->frames();
-    CycleState state;
-    for (std::size_t i = 0; cycle_->next_state(state) && i < truths_.size(); ++i) {
-      result_.ticks.push_back({state, truths_[i]});
-    }
+    collect();
     return result_;
   }
 
@@ -72,6 +74,20 @@ class VirtualDrive {
   DamagedStream line{link};  // undamaged unless told
 
  private:
+  void collect() {
+    result_.frames = cycle_->frames();
+    result_.overruns = cycle_->overruns();
+    result_.refused_controls = cycle_->refused_controls();
+    result_.unsent_commands = cycle_->unsent_commands();
+    result_.causes = cycle_->mode_loss_causes();
+    result_.events_dropped = cycle_->events_dropped();
+    Event event;
+    while (cycle_->next_event(event)) result_.events.push_back(event);
+    CycleState state;
+    for (std::size_t i = 0; cycle_->next_state(state) && i < truths_.size(); ++i) {
+      result_.ticks.push_back({state, truths_[i]});
+    }
+  }
   static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/,
                                     double seconds) noexcept CARGOBAY_NONBLOCKING {
     // A test's own, in virtual time: it may allocate.

@@ -1,0 +1,84 @@
+// What happened to the robot that its program, or whoever stands beside it, may want to know: plain
+// data, through a ring from the control thread to one other.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "oi/bit_set.hpp"
+#include "oi/command_table.hpp"
+#include "oi/sensors.hpp"
+#include "rt/clock.hpp"
+#include "rt/ring.hpp"
+
+namespace cargobay::hal {
+
+// What makes Safe mode stop the robot and become Passive (OI p. 6).
+enum class Hazard : std::uint8_t {
+  wheel_drop_left,
+  wheel_drop_right,
+  wheel_drop_front,
+  cliff_left,
+  cliff_front_left,
+  cliff_front_right,
+  cliff_right,
+  charger,
+};
+using Hazards = oi::BitSet<Hazard>;
+
+// What a frame tells of them; none where it has no packet that would.
+Hazards hazards_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+
+enum class EventKind : std::uint8_t {
+  mode_lost,     // by itself the robot left the mode it was driven in: `mode`, `hazards`
+  rearmed,       // it is back in it, as was asked for
+  rearm_failed,  // it was asked for, and did not come: `mode`, `hazards`
+  battery_low,   // `battery`
+  battery_recovered,
+  overcurrent_began,  // `overcurrents`: those that were not there before
+  overcurrent_ended,  // the last of them is gone
+  charging_began,     // `battery`
+  charging_ended,
+  frames_lost,      // `frames`: so many, damaged or never come
+  silence_began,    // no frame for stop_after: the wheels were told to stop
+  silence_ended,    // a frame came
+  setpoint_lapsed,  // nobody renewed it: the wheels stop until somebody does
+  control_refused,  // the control function asked for speeds that are no number or beyond the
+                    // robot's range: the wheels stop until it asks for others
+};
+
+struct BatteryState {
+  std::int32_t voltage_mv = 0;
+  std::int32_t charge_mah = 0;
+  std::int32_t capacity_mah = 0;
+  oi::ChargingState charging = oi::ChargingState::not_charging;
+};
+
+struct Event {
+  EventKind what = EventKind::mode_lost;
+  std::int64_t tick = 0;  // of the robot, as in CycleState: the newest frame when it was noticed
+  rt::TimePoint time{};   // on the stream's clock
+  // As far as the kind says.
+  oi::Mode mode = oi::Mode::off;
+  Hazards hazards{};  // of mode_lost and rearm_failed: the causes; none where none was seen
+  oi::BitSet<oi::Overcurrent> overcurrents{};
+  BatteryState battery{};
+  std::uint32_t frames = 0;
+};
+
+// An event that finds it full is dropped and counted.
+inline constexpr std::size_t kMostEvents = 256;
+using EventRing = rt::SpscRing<Event, kMostEvents>;
+
+// By which programs know it: "mode_lost".
+std::string_view name(EventKind what);
+std::string_view name(Hazard hazard);
+
+// In words, one line without the time: "the robot went from its mode to passive: a cliff at the
+// front left". Allocates.
+std::string describe(const Event& event);
+// "the left wheel hangs in the air and a cliff at the left"; empty where there is none. Allocates.
+std::string describe(Hazards hazards);
+
+}  // namespace cargobay::hal
