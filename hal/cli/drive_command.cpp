@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/drive_events.hpp"
 #include "hal/cli/drive_links.hpp"
 #include "hal/cli/drive_log.hpp"
 #include "hal/cli/drive_options.hpp"
@@ -64,18 +65,40 @@ void print_status(const hal::CycleState& state, double duration_s) {
   std::fflush(stdout);
 }
 
+// Prints events as they come, each once.
+class EventPrinter {
+ public:
+  enum class Use : std::uint8_t { print, quiet };
+  // The events outlive the printer.
+  EventPrinter(const std::vector<hal::Event>& events, Use use) : events_{events}, use_{use} {}
+
+  void print_new() {
+    for (; printed_ < events_.size(); ++printed_) {
+      if (use_ == Use::print) fmt::print("{}", line(events_[printed_]));
+    }
+  }
+
+ private:
+  const std::vector<hal::Event>& events_;
+  Use use_;
+  std::size_t printed_ = 0;
+};
+
 // Returns the signal that ended the drive before its time.
-std::optional<int> follow(hal::Robot& robot, DriveLinks& links, StopSignals& signals,
-                          double duration_s) {
+std::optional<int> follow(hal::Robot& robot, DriveLinks& links, EventPrinter& printer,
+                          StopSignals& signals, double duration_s) {
+  constexpr const char* kClearLine = "\r\033[K";
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
   while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
     signal = signals.wait(
         std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
     links.collect();
+    if (live) fmt::print(kClearLine);
+    printer.print_new();
     if (live && !links.states().empty()) print_status(links.states().back(), duration_s);
   }
-  if (live) fmt::print("\r\033[K");
+  if (live) fmt::print(kClearLine);
   return signal;
 }
 
@@ -173,6 +196,8 @@ class Drive {
       : options_{options},
         signals_{signals},
         links_{server},
+        printer_{links_.events(),
+                 options.json_file == "-" ? EventPrinter::Use::quiet : EventPrinter::Use::print},
         driver_{.profile = &profile, .duration_s = options.duration_s} {}
 
   // Fails where the first link cannot be driven. `request` is for the links after the first; there
@@ -187,9 +212,10 @@ class Drive {
         return ending;
       }
       grant_ = *grant;
-      ending.signal = follow(*robot, links_, signals_, options_.duration_s);
+      ending.signal = follow(*robot, links_, printer_, signals_, options_.duration_s);
       ending.farewell = robot->stop();
       links_.end_link();
+      printer_.print_new();
       robot.reset();  // closes the port
       const bool goes_on = !request.port.path.empty() && !ending.signal.has_value() &&
                            !ending.farewell.guard_lost && hal::may_reconnect(ending.farewell.end);
@@ -229,6 +255,7 @@ class Drive {
   const DriveOptions& options_;
   StopSignals& signals_;
   DriveLinks links_;
+  EventPrinter printer_;
   Driver driver_;
   rt::RealtimeGrant grant_{};  // of the last link
 };
@@ -241,6 +268,11 @@ DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& sample
           .grant = drive.grant(),
           .ticks = links.ticks(),
           .frames = links.frames(),
+          .overruns = links.overruns(),
+          .refused_controls = links.refused_controls(),
+          .events = links.events(),
+          .events_dropped = links.events_dropped(),
+          .states = &links.states(),
           .figures = figures(samples),
           .period_ns = &links.period_ns(),
           .frame_to_command_ns = &links.frame_to_command_ns(),

@@ -20,6 +20,11 @@ void DriveLinks::collect() {
     state.tick += ticks_before_;
     states_.push_back(state);
   }
+  hal::Event event;
+  while (cycle_->next_event(event)) {
+    event.tick += ticks_before_;
+    events_.push_back(event);
+  }
   if (server_ != nullptr) server_->take_truth(truth_);
 }
 
@@ -30,6 +35,13 @@ void DriveLinks::end_link() {
   frames_.bad += frames.bad;
   frames_.lost += frames.lost;
   frames_.late += frames.late;
+  const hal::PhaseOverruns& overruns = cycle_->overruns();
+  overruns_.wait += overruns.wait;
+  overruns_.read += overruns.read;
+  overruns_.user += overruns.user;
+  overruns_.write += overruns.write;
+  refused_controls_ += cycle_->refused_controls();
+  events_dropped_ += cycle_->events_dropped();
   period_ns_.merge(cycle_->period_ns());
   frame_to_command_ns_.merge(cycle_->frame_to_command_ns());
   cycle_ = nullptr;

@@ -7,6 +7,7 @@
 
 #include "hal/cli/drive_log.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/events.hpp"
 #include "hal/sim/server.hpp"
 #include "rt/clock.hpp"
 #include "rt/histogram.hpp"
@@ -30,7 +31,11 @@ class DriveLinks {
   std::int64_t ticks() const { return states_.empty() ? 0 : states_.back().tick; }
   const std::vector<hal::CycleState>& states() const { return states_; }
   std::vector<DriveSample> samples() const { return join(states_, truth_); }
+  const std::vector<hal::Event>& events() const { return events_; }
+  std::uint64_t events_dropped() const { return events_dropped_; }
   const hal::FrameCounters& frames() const { return frames_; }
+  const hal::PhaseOverruns& overruns() const { return overruns_; }
+  std::uint64_t refused_controls() const { return refused_controls_; }
   const rt::Histogram& period_ns() const { return period_ns_; }
   const rt::Histogram& frame_to_command_ns() const { return frame_to_command_ns_; }
   int reconnects() const { return reconnects_; }
@@ -45,7 +50,11 @@ class DriveLinks {
   rt::TimePoint last_heard_{};
   std::vector<hal::CycleState> states_;
   std::vector<hal::sim::TruthSample> truth_;
+  std::vector<hal::Event> events_;
+  std::uint64_t events_dropped_ = 0;
   hal::FrameCounters frames_{};
+  hal::PhaseOverruns overruns_{};
+  std::uint64_t refused_controls_ = 0;
   rt::Histogram period_ns_{};
   rt::Histogram frame_to_command_ns_{};
   int reconnects_ = -1;  // the first link is none

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/cli/drive_events.hpp"
 #include "hal/cli/findings.hpp"
 
 namespace cargobay::cli {
@@ -75,6 +76,16 @@ std::string table(const DriveReport& report) {
   put_timing(out, "frame to command", *report.frame_to_command_ns);
   fmt::format_to(to_out, "Frames     {} good, {} bad, {} lost\n", report.frames.good,
                  report.frames.bad, report.frames.lost);
+  const hal::PhaseOverruns& late = report.overruns;
+  fmt::format_to(to_out, "Overruns   {} wait, {} read, {} control function, {} write\n", late.wait,
+                 late.read, late.user, late.write);
+  if (report.refused_controls > 0) {
+    fmt::format_to(to_out, "Refused    {} answers of the control function\n",
+                   report.refused_controls);
+  }
+  if (report.events_dropped > 0) {
+    fmt::format_to(to_out, "Events     {} more than there was room for\n", report.events_dropped);
+  }
   if (report.reconnects > 0)
     fmt::format_to(to_out, "Link       {} reconnected, {:.1f} s without\n", report.reconnects,
                    rt::seconds(report.without_link));
@@ -104,6 +115,14 @@ std::string json(const DriveReport& report) {
       {"frames_good", report.frames.good},
       {"frames_bad", report.frames.bad},
       {"frames_lost", report.frames.lost},
+      {"overruns",
+       {{"wait", report.overruns.wait},
+        {"read", report.overruns.read},
+        {"user", report.overruns.user},
+        {"write", report.overruns.write}}},
+      {"control_refused", report.refused_controls},
+      {"events", events_json(report.events, *report.states)},
+      {"events_dropped", report.events_dropped},
       {"reconnects", report.reconnects},
       {"without_link_s", rt::seconds(report.without_link)},
       {"steady_error_mm_s",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ struct DriveReport {
   rt::RealtimeGrant grant{};
   std::int64_t ticks = 0;
   hal::FrameCounters frames{};
+  hal::PhaseOverruns overruns{};
+  std::uint64_t refused_controls = 0;
+  std::span<const hal::Event> events{};  // borrowed
+  std::uint64_t events_dropped = 0;
+  const std::vector<hal::CycleState>* states = nullptr;  // of all ticks, borrowed
   DriveFigures figures{};
   const rt::Histogram* period_ns = nullptr;            // borrowed
   const rt::Histogram* frame_to_command_ns = nullptr;  // borrowed

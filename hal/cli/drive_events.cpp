@@ -1,0 +1,105 @@
+#include "hal/cli/drive_events.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "oi/limits.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kTicksAround = 8;
+
+double robot_time_s(std::int64_t tick) {
+  return static_cast<double>(tick) * rt::seconds(oi::kTick);
+}
+
+constexpr unsigned kBits = 8;  // of a set
+
+json names(hal::Hazards hazards) {
+  json names = json::array();
+  for (unsigned bit = 0; bit < kBits; ++bit) {
+    const auto hazard = static_cast<hal::Hazard>(bit);
+    if (hazards.has(hazard)) names.push_back(hal::name(hazard));
+  }
+  return names;
+}
+
+json names(oi::BitSet<oi::Overcurrent> overcurrents) {
+  json names = json::array();
+  for (unsigned bit = 0; bit < kBits; ++bit) {
+    if (overcurrents.has(static_cast<oi::Overcurrent>(bit)))
+      names.push_back(oi::bit_name(oi::PacketId::overcurrents, bit));
+  }
+  return names;
+}
+
+json wheels(const rt::WheelSpeeds& speeds) {
+  return {{"left", speeds.left_mm_s}, {"right", speeds.right_mm_s}};
+}
+
+json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states) {
+  json around = json::array();
+  auto state = std::lower_bound(
+      states.begin(), states.end(), tick - kTicksAround,
+      [](const hal::CycleState& each, std::int64_t first) { return each.tick < first; });
+  for (; state != states.end() && state->tick <= tick + kTicksAround; ++state) {
+    around.push_back({{"tick", state->tick},
+                      {"mode", oi::name(state->mode)},
+                      {"hazards", names(state->hazards)},
+                      {"set_mm_s", wheels(state->set)},
+                      {"estimate_mm_s", wheels(state->estimate)},
+                      {"command_mm_s", wheels(state->command)}});
+  }
+  return around;
+}
+
+// What only events of this kind have.
+void put_details(json& out, const hal::Event& event) {
+  using Kind = hal::EventKind;
+  switch (event.what) {
+    case Kind::mode_lost:
+    case Kind::rearm_failed:
+      out["mode"] = oi::name(event.mode);
+      out["hazards"] = names(event.hazards);
+      break;
+    case Kind::overcurrent_began: out["overcurrents"] = names(event.overcurrents); break;
+    case Kind::battery_low:
+    case Kind::battery_recovered:
+    case Kind::charging_began:
+    case Kind::charging_ended:
+      out["battery"] = {{"mv", event.battery.voltage_mv},
+                        {"charge_mah", event.battery.charge_mah},
+                        {"capacity_mah", event.battery.capacity_mah}};
+      break;
+    case Kind::frames_lost: out["frames"] = event.frames; break;
+    default: break;  // the kind says it all
+  }
+}
+
+}  // namespace
+
+std::string line(const hal::Event& event) {
+  return fmt::format("{:8.3f} s  {}\n", robot_time_s(event.tick), hal::describe(event));
+}
+
+json events_json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states) {
+  json list = json::array();
+  for (const hal::Event& event : events) {
+    json out{{"what", hal::name(event.what)},
+             {"tick", event.tick},
+             {"time_s", robot_time_s(event.tick)},
+             {"text", hal::describe(event)}};
+    put_details(out, event);
+    if (event.what != hal::EventKind::frames_lost)
+      out["states"] = states_around(event.tick, states);
+    list.push_back(std::move(out));
+  }
+  return list;
+}
+
+}  // namespace cargobay::cli
