@@ -473,7 +473,7 @@ bool leave(ByteStream& stream) {
   constexpr std::array<std::uint8_t, kResynchronisingBytes> kFill{};
   for (int i = 0; i < kTries; ++i) {
     if (i > 0) (void)stream.write(kFill);  // it may be swallowing what it takes for data
-    send(stream, oi::DriveDirect{});      // while it still obeys
+    send(stream, oi::DriveDirect{});       // while it still obeys
     send(stream, oi::PauseResumeStream{oi::StreamState::pause});
     send(stream, oi::Start{});  // Passive: Safe and Full do not charge
     pause(stream, kModeChangeWait);

@@ -1,10 +1,12 @@
 #include "hal/control_cycle.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <map>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -194,7 +196,7 @@ TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
   }
 }
 
-void hear(sim::Device& device, std::vector<std::uint8_t> bytes) {
+void hear(sim::Device& device, const std::vector<std::uint8_t>& bytes) {
   for (const std::uint8_t byte : bytes) device.receive(byte);
 }
 
@@ -208,7 +210,14 @@ TEST(ControlCycle, TellsARobotThatMisheardItsListAgain) {
     const DriveResult result = drive.run(300, forward);
     EXPECT_EQ(result.end, CycleEnd::asked);
     EXPECT_EQ(result.frames.good, 300U);
-    EXPECT_EQ(drive.device.stream().packets().size(), 3U) << int{other};
+    const auto streamed = drive.device.stream().packets();
+    const auto is_streamed = [&streamed](FrameList list) {
+      return std::ranges::equal(streamed, packets(list), {}, {},
+                                [](oi::PacketId id) { return static_cast<std::uint8_t>(id); });
+    };
+    EXPECT_TRUE(is_streamed(FrameList::reading) || is_streamed(FrameList::hazards) ||
+                is_streamed(FrameList::battery))
+        << int{other};
     EXPECT_LT(worst_error(result), 30.0) << int{other};
   }
 }
