@@ -186,11 +186,10 @@ void ControlCycle::account(rt::TimePoint arrival,
     }
     // One frame may be damaged in several places, and noise between two frames damages none.
     damaged_ = ticks_.missing() == 0 ? 0 : damaged_ - bad;
-    if (ticks_.in_doubt()) {
-      loop_.doubt_next_reading();
-    } else {
-      foreseen_ = 0;
-    }
+    // Of a window, a frame that is missing may have taken most with it.
+    const bool window = list_ != FrameList::reading || former_list_ != FrameList::reading;
+    if (ticks_.in_doubt() || (window && ticks_.missing() > 0)) loop_.doubt_next_reading();
+    if (!ticks_.in_doubt()) foreseen_ = 0;
     // Of several together all but the last are a tick late at least.
     const bool late = arrival - ticks_.due_by(arrival) > parameters_.late_margin;
     if (late || readings.size() > 1) ++overruns_.wait;

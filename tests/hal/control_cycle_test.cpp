@@ -196,6 +196,23 @@ TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
   }
 }
 
+// The frame that read a window is lost, and nobody knows yet; the next one reads a tick.
+TEST(ControlCycle, DoesNotTakeATickForAWindow) {
+  VirtualDrive drive{sim::Parameters{.remainder = sim::Remainder::lost}};
+  Damage progress{drive};
+  bool dropped = false;
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) -> std::size_t {
+    const bool reads = bytes.size() == kFrameBytes && bytes[4] == 2;  // group 2
+    if (dropped || progress.frame() < 500 || !reads) return bytes.size();
+    dropped = true;
+    return 0;
+  };
+  const DriveResult result = drive.run(800, forward);
+  EXPECT_TRUE(dropped);
+  EXPECT_EQ(result.frames.lost, 1U);
+  EXPECT_LT(worst_error(result), 30.0);
+}
+
 void hear(sim::Device& device, const std::vector<std::uint8_t>& bytes) {
   for (const std::uint8_t byte : bytes) device.receive(byte);
 }
