@@ -124,7 +124,7 @@ void expect_nothing(const Calls& calls) {
 TEST(SteadyCycle, DoesNothingForbiddenInVirtualTime) {
   ASSERT_EQ(mlockall(MCL_CURRENT | MCL_FUTURE), 0) << "needs root or CAP_IPC_LOCK";
   for (const auto remainder : {sim::Remainder::carried, sim::Remainder::lost}) {
-    expect_nothing(run_in_virtual_time(remainder, 200'000));
+    expect_nothing(run_in_virtual_time(remainder, 500'000));
   }
   munlockall();
 }
