@@ -33,7 +33,7 @@ TEST(FrameRotation, TellsOfHazardsBetweenReadings) {
     ++frames[rotation.next(tick % 40 == 0 ? Counters::wanted : Counters::not_wanted)];
   }
   EXPECT_EQ(frames[FrameList::reading], 100);
-  EXPECT_NEAR(frames[FrameList::battery], 4000 / FrameRotation::kBatteryTicks, 2);
+  EXPECT_NEAR(frames[FrameList::battery], 4000.0 / FrameRotation::kBatteryTicks, 2);
 }
 
 // DriveDirect and the longest list behind it, too, where the robot is slowest.
