@@ -1,0 +1,71 @@
+// One drive of the fault matrix, in virtual time, through the shipping path: bring-up, control
+// cycle, leaving; and where the fault ended the cycle, all of it once more. Observes; what must
+// hold is in verdict.hpp.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hal/cli/profile.hpp"
+#include "hal/control_cycle.hpp"
+#include "hal/sim/device.hpp"
+#include "tests/campaign/fault_case.hpp"
+
+namespace cargobay::campaign {
+
+// The robot at the end of a tick.
+struct TickSeen {
+  std::uint64_t tick = 0;
+  bool frame = false;  // it sent one
+  bool clean = false;  // and no fault was left that could touch it
+  oi::Mode mode = oi::Mode::off;
+  std::int32_t battery_mv = 0;
+  rt::WheelSpeeds truth{};
+};
+
+// The cycle, as it answers.
+struct AnswerSeen {
+  std::uint64_t tick = 0;  // of the robot
+  hal::CycleState state{};
+  hal::FrameCounters frames{};
+};
+
+struct Observations {
+  bool brought_up = false;
+  hal::CycleEnd end = hal::CycleEnd::asked;
+  rt::TimePoint ended{};
+  std::uint64_t last_tick = 0;  // of the robot, when the cycle ended
+  rt::WheelSpeeds commanded{};  // of the robot, then
+  bool backlog = false;         // the robot had more to send then
+  hal::FrameCounters frames{};
+  std::vector<TickSeen> ticks{};
+  std::vector<AnswerSeen> answers{};
+  std::vector<hal::CycleState> states{};  // as published
+  std::vector<std::uint64_t> obeyed{};    // the tick of each drive command that the robot obeyed
+  std::vector<std::uint64_t> written{};   // the tick in which the robot has each that was sent
+  std::vector<std::uint8_t> sent{};       // by the robot
+  std::vector<std::uint8_t> received{};   // by the host
+
+  bool restarted = false;  // what follows was done
+  bool toggled = false;    // nothing less than power off and on helped
+  bool brought_up_again = false;
+  hal::FrameCounters second_frames{};
+  hal::CycleEnd second_end = hal::CycleEnd::asked;
+  rt::WheelSpeeds second_truth{};  // at its last frame
+  bool passive_at_last = false;    // the robot, in truth
+  rt::WheelSpeeds commanded_at_last{};
+};
+
+struct DriveCase {
+  FaultCase fault{};
+  const cli::Profile* profile = nullptr;  // outlives the drive
+  hal::sim::Remainder remainder = hal::sim::Remainder::carried;
+  std::uint64_t seed = 1;
+};
+
+constexpr int kSecondFrames = 150;
+constexpr double kSecondSpeed = 200.0;  // mm/s
+
+Observations drive(const DriveCase& which);
+
+}  // namespace cargobay::campaign

@@ -1,0 +1,25 @@
+// What must hold of a drive of the fault matrix, and what of it is counted.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/campaign/faulted_drive.hpp"
+
+namespace cargobay::campaign {
+
+struct Verdict {
+  std::vector<std::string> violations{};
+  std::uint64_t due = 0;     // ticks of the robot from the cycle's first frame to its end
+  std::uint64_t unsent = 0;  // of these: without a frame
+  bool deaf = false;   // at the end the robot still took commands for the data of a damaged one
+  int back_after = 0;  // clean frames until the cycle is back, 0 where it did not drive on
+  double worst_error_mm_s = 0.0;  // of an estimate
+  // Runs of bytes that the robot never sent as such, and that the checksum passes.
+  std::uint64_t impostors = 0;
+};
+
+Verdict judge(const FaultCase& fault, const Observations& seen);
+
+}  // namespace cargobay::campaign
