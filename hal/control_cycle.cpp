@@ -251,6 +251,7 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
   const Step step = answer_in_mode(state);
   state_.put(state);
   history_.push(state);
+  if (observer_.function != nullptr) observer_.function(observer_.context, state);
   return step;
 }
 
@@ -267,7 +268,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   const rt::TimePoint read = stream_.now();
   if (read - state.arrival > kOwnWork) ++overruns_.read;
   state.setpoint_lapsed = control_.function == nullptr && setpoint_lapsed(state.arrival);
-  const rt::WheelSpeeds target = wanted(state);
+  state.target = wanted(state);
   const rt::TimePoint decided = stream_.now();
   const bool over = control_.function != nullptr && decided - read > parameters_.control_budget;
   overruns_in_a_row_ = over ? overruns_in_a_row_ + 1 : 0;
@@ -275,7 +276,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   if (overruns_in_a_row_ > parameters_.control_overruns_allowed)
     return end(CycleEnd::control_overrun);
 
-  state.command = loop_.control(target);
+  state.command = loop_.control(state.target);
   state.set = loop_.set();
   const FrameList list = next_list();
   const Sent sent = tick_has_command(stream_.now()) ? Sent::withheld : send(state.command, list);

@@ -52,7 +52,8 @@ struct CycleState {
   std::int64_t tick = 0;    // of the robot, since the first frame
   rt::TimePoint arrival{};  // of the frame, on the stream's clock
   oi::Mode mode = oi::Mode::off;
-  rt::WheelSpeeds set{};  // behind the acceleration limit
+  rt::WheelSpeeds target{};  // as asked for; 0 where nothing valid was
+  rt::WheelSpeeds set{};     // behind the acceleration limit
   rt::WheelSpeeds estimate{};
   rt::WheelSpeeds command{};  // as sent
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
@@ -88,6 +89,13 @@ struct ControlFunction {
   void* context = nullptr;  // outlives the cycle
 };
 
+// Called once a frame on the control thread, behind the command, with all that became of the tick.
+// The rules are those of a ControlFunction.
+struct StateObserver {
+  void (*function)(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING = nullptr;
+  void* context = nullptr;  // outlives the cycle
+};
+
 class ControlCycle {
  public:
   struct Parameters {
@@ -113,6 +121,8 @@ class ControlCycle {
 
   // To be set before run(). Without one, the latest setpoint is followed.
   void set_control(const ControlFunction& control) { control_ = control; }
+  // To be set before run().
+  void set_observer(const StateObserver& observer) { observer_ = observer; }
 
   // To be set before run(); what the mark is of outlives it. Without one nobody watches.
   void set_guard(const GuardMark& guard) { guard_ = guard; }
@@ -211,6 +221,7 @@ class ControlCycle {
   rt::Duration command_time_;  // the same
   ControlFunction control_{};
   GuardMark guard_{};
+  StateObserver observer_{};
   rt::WheelLoop loop_;
   rt::TickClock ticks_;
   oi::StreamDecoder decoder_{};
