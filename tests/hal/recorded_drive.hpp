@@ -1,0 +1,88 @@
+// A drive of the virtual Create in virtual time, recorded, and its recording as a file.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/bring_up.hpp"
+#include "hal/control_cycle.hpp"
+#include "hal/flight_recorder.hpp"
+#include "hal/recording.hpp"
+#include "hal/recording_stream.hpp"
+#include "hal/sim/device.hpp"
+#include "hal/sim/virtual_link.hpp"
+#include "rt/unchecked.hpp"
+#include "tests/hal/damaged_stream.hpp"
+
+namespace cargobay::hal::test {
+
+class RecordedDrive {
+ public:
+  explicit RecordedDrive(const sim::Parameters& plant = {}) : device{plant}, link{device} {}
+
+  // Called once a frame on the control thread.
+  std::function<void(int frame)> on_frame{};
+
+  // Drives for so many frames, to and fro.
+  void run(int frames) {
+    frames_left_ = frames;
+    EXPECT_TRUE(bring_up(line, {.packets = kReadingList}));
+    EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
+    RecordingStream recorded{line, recorder};
+    const auto cycle = std::make_unique<ControlCycle>(recorded, header.parameters);
+    header.baud = link.baud();
+    cycle_ = cycle.get();
+    cycle->set_control({.function = &RecordedDrive::control_of, .context = this});
+    cycle->set_observer({.function = &RecordedDrive::record, .context = this});
+    end = cycle->run();
+    recorder.ended(end);
+  }
+
+  // Header and blocks, as they stand in a file.
+  std::vector<std::uint8_t> file() const {
+    std::vector<std::uint8_t> bytes = encode(header);
+    FlightRecorder::Cursor cursor;
+    FlightRecorder::Block block;
+    while (recorder.next(cursor, block)) {
+      const std::vector<std::uint8_t> more = encode(block);
+      bytes.insert(bytes.end(), more.begin(), more.end());
+    }
+    return bytes;
+  }
+
+  sim::Device device;
+  sim::VirtualLink link;
+  DamagedStream line{link};  // undamaged unless told
+  FlightRecorder recorder{};
+  RecordingHeader header{.software = "test", .note = "to and fro"};
+  CycleEnd end = CycleEnd::asked;
+  std::vector<CycleState> states{};
+
+ private:
+  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/,
+                                    double seconds) noexcept CARGOBAY_NONBLOCKING {
+    // A test's own, in virtual time: it may allocate.
+    return rt::unchecked([=] { return static_cast<RecordedDrive*>(context)->control(seconds); });
+  }
+  static void record(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+    auto& self = *static_cast<RecordedDrive*>(context);
+    self.recorder.state(state);
+    rt::unchecked([&] { self.states.push_back(state); });
+  }
+  rt::WheelSpeeds control(double seconds) {
+    if (on_frame) on_frame(++frame_);
+    if (--frames_left_ <= 0) cycle_->request_stop();
+    const bool forth = static_cast<std::int64_t>(seconds / 3.0) % 2 == 0;
+    return forth ? rt::WheelSpeeds{200.0, 150.0} : rt::WheelSpeeds{-100.0, -120.0};
+  }
+
+  ControlCycle* cycle_ = nullptr;
+  int frames_left_ = 0;
+  int frame_ = 0;
+};
+
+}  // namespace cargobay::hal::test
