@@ -1,5 +1,6 @@
 #include "hal/robot.hpp"
 
+#include <chrono>
 #include <utility>
 
 #include "oi/stream_budget.hpp"
@@ -31,13 +32,22 @@ std::string remedy(Hazards causes) {
   return causes.has(Hazard::charger) ? "unplug it" : "move it away from the edge";
 }
 
+void record_state(void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  static_cast<FlightRecorder*>(recorder)->state(state);
+}
+
 }  // namespace
 
 Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
              const BringUpReport& report)
-    : stream_{std::move(stream)}, options_{options}, report_{report} {
+    : stream_{std::move(stream)},
+      options_{options},
+      report_{report},
+      recorder_{options.recorder_bytes},
+      recorded_{*stream_, recorder_} {
   options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
-  cycle_ = std::make_unique<ControlCycle>(*stream_, options_.cycle);
+  cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);
+  cycle_->set_observer({.function = &record_state, .context = &recorder_});
 }
 
 Robot::~Robot() { (void)stop(); }
@@ -96,7 +106,15 @@ std::optional<Failure> Robot::start_guard() {
 void Robot::run() {
   if (guard_) guard_->begin_driving();
   farewell_.end = cycle_->run();
+  recorder_.ended(farewell_.end);
   if (guard_) guard_->end_driving();
+}
+
+RecordingHeader Robot::recording_header() const {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return {.baud = stream_->baud(),
+          .started_ns = std::chrono::duration_cast<rt::Duration>(since_1970).count(),
+          .parameters = options_.cycle};
 }
 
 Robot::Farewell Robot::stop() {
@@ -114,6 +132,7 @@ Robot::Farewell Robot::stop() {
     farewell_.confirmed_passive = leave(*stream_);
   }
   if (guard_) guard_->release();
+  if (farewell_.end != CycleEnd::asked) farewell_.last = last_exchanges(recorder_, kLastFrames);
   return farewell_;
 }
 

@@ -2,13 +2,19 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "hal/bring_up.hpp"
 #include "hal/byte_stream.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/exchange.hpp"
+#include "hal/flight_recorder.hpp"
 #include "hal/guard.hpp"
+#include "hal/recording_header.hpp"
+#include "hal/recording_stream.hpp"
 #include "hal/result.hpp"
 #include "rt/realtime.hpp"
 
@@ -19,6 +25,7 @@ struct RobotOptions {
   rt::RealtimeRequest realtime{};
   bool require_realtime = false;  // what the kernel refuses is a failure, not a remark
   GuardOptions guard{};           // of a robot behind a terminal; in virtual time nobody dies
+  std::size_t recorder_bytes = FlightRecorder::kDefaultBytes;  // of memory, for what happened last
   // For the bring-up, as in BringUpRequest; the pins are not touched after open().
   RobotPins pins{};
   std::function<void(const BringUpEvent&)> progress{};
@@ -46,12 +53,19 @@ class Robot {
   // the end asks this now and then; one system call.
   bool guard_lost() const { return guard_ && !guard_->alive(); }
 
+  // What the cycle has learnt and done lately, for hal/recording_file.hpp; from any thread.
+  const FlightRecorder& flight_recorder() const { return recorder_; }
+  // The header of a recording that begins now.
+  RecordingHeader recording_header() const;
+
   struct Farewell {
     CycleEnd end = CycleEnd::asked;
     bool confirmed_passive = false;  // the robot itself said so
     bool guard_lost = false;         // it was driven without, for a while
     Hazards causes{};                // of mode_lost; none where no sensor said why
+    std::vector<Exchange> last{};    // of kLastFrames, where the cycle ended by itself
   };
+  static constexpr std::size_t kLastFrames = 10;
   // Ends the cycle and its thread, stops the wheels, goes Passive. Blocks for up to 1 s.
   Farewell stop();
   // Whether the cycle has ended, by itself or when asked.
@@ -66,6 +80,8 @@ class Robot {
   std::unique_ptr<ByteStream> stream_;  // outlives cycle_
   RobotOptions options_;
   BringUpReport report_;
+  FlightRecorder recorder_;
+  RecordingStream recorded_;  // stream_ as the cycle has it
   std::unique_ptr<ControlCycle> cycle_;
   std::unique_ptr<Guard> guard_;
   rt::RealtimeThread thread_;

@@ -18,7 +18,9 @@
 
 #include "hal/bring_up.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/flight_recorder.hpp"
 #include "hal/pty_transport.hpp"
+#include "hal/recording_stream.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/device.hpp"
 #include "hal/sim/server.hpp"
@@ -98,13 +100,21 @@ class UncountedLink final : public ByteStream {
   sim::VirtualLink& link_;
 };
 
+void record(void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  static_cast<FlightRecorder*>(recorder)->state(state);
+}
+
 Calls run_in_virtual_time(sim::Remainder remainder, std::int64_t frames, void (*also)() = nullptr) {
   sim::Device device{sim::Parameters{.remainder = remainder}};
   sim::VirtualLink virtual_link{device};
   UncountedLink link{virtual_link};
   EXPECT_TRUE(bring_up(link, {.packets = kReadingList}));
   EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
-  const auto cycle = std::make_unique<ControlCycle>(link, ControlCycle::Parameters{});
+  // With its flight recorder, as every robot has it.
+  FlightRecorder recorder;
+  RecordingStream recorded{link, recorder};
+  const auto cycle = std::make_unique<ControlCycle>(recorded, ControlCycle::Parameters{});
+  cycle->set_observer({.function = &record, .context = &recorder});
   link.cycle = cycle.get();
   Counted counted{.cycle = cycle.get(), .first = 500, .last = 500 + frames, .also = also};
   cycle->set_control({.function = &Counted::control, .context = &counted});
