@@ -59,6 +59,9 @@ ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   const rt::TimePoint now = stream_.now();
   woken_ = now;
   if (!guard_.beat(now)) return end(CycleEnd::guarded);
+  const rt::Duration announced =
+      announced_silence_.exchange(kNoneAnnounced, std::memory_order_relaxed);
+  if (announced != kNoneAnnounced) expected_until_ = now + announced;
   if (woken == ByteStream::Wait::hung_up) return end(CycleEnd::hung_up);
 
   // Also after a time-out: fewer bytes than a frame may be there, and must not stay behind.
@@ -368,8 +371,7 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   deadline_ += oi::kTick;
   const rt::TimePoint now = stream_.now();
   const rt::Duration silence = now - last_arrival_;
-  const bool expected = now < expected_until_.load(std::memory_order_relaxed);
-  if (silence >= parameters_.link_timeout && !expected) {
+  if (silence >= parameters_.link_timeout && now >= expected_until_) {
     account_for_silence();
     return end(CycleEnd::link_lost);
   }

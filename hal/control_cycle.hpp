@@ -140,10 +140,10 @@ class ControlCycle {
   // so until a new one is set.
   [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING;
 
-  // From any thread: for so long from now the robot's silence is no lost link, as while it plays a
-  // script that waits. The wheels get their stop all the same, should it listen.
+  // From any thread: for so long from the next pass on the robot's silence is no lost link, as
+  // while it plays a script that waits. The wheels get their stop all the same, should it listen.
   void expect_silence(rt::Duration duration) noexcept CARGOBAY_NONBLOCKING {
-    expected_until_.store(stream_.now() + duration, std::memory_order_relaxed);
+    announced_silence_.store(duration, std::memory_order_relaxed);
   }
 
   // From any thread. Where the mode was lost and the cycle holds: tells the robot to go back to it,
@@ -242,6 +242,7 @@ class ControlCycle {
   rt::WheelSpeeds acting_{};  // the last command that the robot got whole
   rt::TimePoint deadline_{};
   bool stopped_in_silence_ = false;
+  rt::TimePoint expected_until_{};  // the end of a silence that was announced
   int foreseen_ = 0;        // ticks of a silence that the loop has gone through, counted or not
   bool stop_owed_ = false;  // the port has not taken it whole
   rt::TimePoint setpoint_time_{};
@@ -264,8 +265,9 @@ class ControlCycle {
 
   std::atomic<bool> stop_requested_{false};
   std::atomic<bool> rearm_requested_{false};
-  std::atomic<rt::TimePoint> expected_until_{
-      rt::TimePoint{}};  // of a silence; carries nothing else
+  // Not taken up yet by the control thread; it alone looks at the clock. Carries nothing else.
+  static constexpr rt::Duration kNoneAnnounced = rt::Duration::min();
+  std::atomic<rt::Duration> announced_silence_{kNoneAnnounced};
   rt::SetpointCell setpoint_{};
   rt::Mailbox<CycleState> state_{};
   rt::SpscRing<CycleState, kHistory> history_{};

@@ -46,6 +46,7 @@ std::vector<Exchange> last_exchanges(const FlightRecorder& recorder, std::size_t
   FlightRecorder::Cursor cursor;
   for (FlightRecorder::Block block; recorder.next(cursor, block);) kept.push_back(block);
   std::vector<Recording::Block> blocks;
+  blocks.reserve(kept.size());
   for (const FlightRecorder::Block& block : kept)
     blocks.push_back({.number = block.number, .time = block.time, .entries = block.entries});
   std::vector<Exchange> all = exchanges(blocks);

@@ -99,7 +99,7 @@ bool EntryReader::take(Entry& entry) {
     case EntryKind::read: return take_read(in_, entry);
     case EntryKind::wrote: return take_wrote(in_, entry);
     case EntryKind::state: return take_state(entry.state);
-    case EntryKind::ended: return in_.take(entry.end, CycleEnd::hung_up);
+    case EntryKind::ended: return in_.take(entry.end, CycleEnd::guarded);
   }
   return false;
 }

@@ -4,11 +4,14 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <chrono>
 #include <memory>
 #include <span>
 #include <string_view>
 
 #include "hal/byte_stream.hpp"
+#include "hal/guard_block.hpp"
+#include "hal/guard_mark.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::hal {
@@ -75,10 +78,10 @@ class Script {
     return true;
   }
 
-  // A stop shows in the recording only by what does not follow. The cycle looks for one between two
-  // waits: so it may as well be asked for in the last one.
-  bool stops_here() const {
-    return waits_left_ == 0 && result_.end.value_or(CycleEnd::asked) == CycleEnd::asked;
+  // What comes from outside shows in the recording only by what follows, or does not. The cycle
+  // looks for it once a wait: so it may as well come in the last one.
+  bool ends_here(CycleEnd end) const {
+    return waits_left_ == 0 && result_.end.value_or(CycleEnd::asked) == end;
   }
 
   void compare_written(std::span<const std::uint8_t> recorded,
@@ -161,14 +164,22 @@ class ReplayStream final : public ByteStream {
  public:
   ReplayStream(Script& script, std::uint32_t baud) : script_{script}, baud_{baud} {}
 
-  // Before the cycle runs; it outlives the run.
-  void attach(ControlCycle& cycle) { cycle_ = &cycle; }
+  // Before the cycle runs, which this outlives.
+  void attach(ControlCycle& cycle) {
+    cycle_ = &cycle;
+    guard_.state.store(GuardState::driving);
+    cycle.set_guard(GuardMark{guard_});
+  }
 
   Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this] {
       Entry entry;
       if (!script_.take(EntryKind::waited, entry)) return Wait::hung_up;
-      if (script_.stops_here()) cycle_->request_stop();
+      if (script_.ends_here(CycleEnd::asked)) cycle_->request_stop();
+      if (script_.ends_here(CycleEnd::guarded)) guard_.state.store(GuardState::taken);
+      // A silence that it survived had been announced.
+      cycle_->expect_silence(script_.ends_here(CycleEnd::link_lost) ? rt::Duration::zero()
+                                                                    : std::chrono::hours{1});
       return entry.wait;
     });
   }
@@ -208,6 +219,7 @@ class ReplayStream final : public ByteStream {
   Script& script_;  // outlives it
   std::uint32_t baud_;
   ControlCycle* cycle_ = nullptr;
+  GuardBlock guard_{};  // nobody watches it
 };
 
 rt::WheelSpeeds wanted(void* context, const CycleState& /*state*/,
@@ -234,7 +246,7 @@ Result<ReplayResult> replay(const Recording& recording) {
   stream.attach(*cycle);
   cycle->set_control({.function = &wanted, .context = &script});
   cycle->set_observer({.function = &compare, .context = &script});
-  if (script.stops_here()) cycle->request_stop();
+  if (script.ends_here(CycleEnd::asked)) cycle->request_stop();
   script.finish(cycle->run());
   return script.result();
 }

@@ -3,7 +3,9 @@
 // The cycle is the shipping one, on a byte stream that returns what was recorded: the outcome of
 // each wait, the bytes of each read, the time whenever the clock is asked. It is compared in every
 // byte that it writes, in what it asks of the stream and in which order, and in the state of every
-// tick, bit for bit. What was wanted of the wheels is an input, and taken from the recording.
+// tick, bit for bit. What was wanted of the wheels is an input, and taken from the recording. When
+// a stop was asked for, a guard took the robot or a silence was announced is not recorded: it
+// follows from how the recording goes on.
 #pragma once
 
 #include <cstdint>
