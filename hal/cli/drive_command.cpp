@@ -18,6 +18,7 @@
 #include "hal/cli/drive_report.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/findings.hpp"
+#include "hal/cli/last_frames.hpp"
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/profile.hpp"
@@ -29,6 +30,7 @@
 #include "hal/open_pins.hpp"
 #include "hal/port_identity.hpp"
 #include "hal/reconnect.hpp"
+#include "hal/recording_file.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
 #include "oi/limits.hpp"
@@ -84,24 +86,6 @@ class EventPrinter {
   std::size_t printed_ = 0;
 };
 
-// Returns the signal that ended the drive before its time.
-std::optional<int> follow(hal::Robot& robot, DriveLinks& links, EventPrinter& printer,
-                          StopSignals& signals, double duration_s) {
-  constexpr const char* kClearLine = "\r\033[K";
-  const bool live = stdout_is_terminal();
-  std::optional<int> signal;
-  while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
-    signal = signals.wait(
-        std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
-    links.collect();
-    if (live) fmt::print(kClearLine);
-    printer.print_new();
-    if (live && !links.states().empty()) print_status(links.states().back(), duration_s);
-  }
-  if (live) fmt::print(kClearLine);
-  return signal;
-}
-
 std::string plot_title(const DriveReport& report, const DriveOptions& options) {
   return fmt::format(
       "{} at {:g} mm/s, {} loop, remainder {}: steady error {:.1f} / {:.1f} mm/s, tracking rms "
@@ -129,6 +113,8 @@ struct Ending {
   hal::Robot::Farewell farewell{};
   std::optional<int> signal{};
   std::string why{};  // the robot did not come back; empty where nobody waited for it
+  std::vector<std::string> recordings{};     // one a link
+  std::optional<hal::Failure> unrecorded{};  // the first that failed
 };
 
 // What went wrong, the worst first; empty where nothing did.
@@ -151,8 +137,14 @@ std::string complaint(const Ending& ending, const std::optional<hal::Failure>& u
 // Files, table, and the last word. Returns the exit code.
 int conclude(const DriveReport& report, const DriveOptions& options,
              const std::vector<DriveSample>& samples, const Ending& ending) {
-  const std::optional<hal::Failure> unsaved = save(report, options, samples);
-  if (options.json_file != "-") fmt::print("{}", table(report));
+  std::optional<hal::Failure> unsaved = save(report, options, samples);
+  if (!unsaved) unsaved = ending.unrecorded;
+  if (options.json_file != "-") {
+    fmt::print("{}", table(report));
+    for (const std::string& file : ending.recordings)
+      fmt::print("Recording  {0}; look at it with: cargobay plot {0}\n", file);
+    fmt::print("{}", last_frames_table(ending.farewell.last));
+  }
   const std::string wrong = complaint(ending, unsaved);
   if (!wrong.empty()) {
     print_error(wrong);
@@ -212,10 +204,11 @@ class Drive {
         return ending;
       }
       grant_ = *grant;
-      ending.signal = follow(*robot, links_, printer_, signals_, options_.duration_s);
+      ending.signal = follow(*robot);
       ending.farewell = robot->stop();
       links_.end_link();
       printer_.print_new();
+      end_recording(*robot, ending);
       robot.reset();  // closes the port
       const bool goes_on = !request.port.path.empty() && !ending.signal.has_value() &&
                            !ending.farewell.guard_lost && hal::may_reconnect(ending.farewell.end);
@@ -235,12 +228,31 @@ class Drive {
   hal::Result<rt::RealtimeGrant> begin_link(hal::Robot& robot) {
     driver_.cycle = &robot.cycle();
     driver_.before_s = static_cast<double>(links_.ticks()) * rt::seconds(oi::kTick);
+    if (auto failure = begin_recording(robot)) return *failure;
     auto grant = robot.start({.function = &Driver::control, .context = &driver_});
     if (!grant) return grant;
     links_.begin_link(robot.cycle());
     if (links_.reconnects() > 0)
       print_remark(fmt::format("back after {:.1f} s", rt::seconds(links_.latest_without())));
     return grant;
+  }
+  // Returns the signal that ended the drive before its time.
+  std::optional<int> follow(hal::Robot& robot) {
+    constexpr const char* kClearLine = "\r\033[K";
+    const bool live = stdout_is_terminal();
+    std::optional<int> signal;
+    while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
+      signal = signals_.wait(
+          std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
+      links_.collect();
+      if (recording_) recording_->append(robot.flight_recorder());
+      if (live) fmt::print(kClearLine);
+      printer_.print_new();
+      if (live && !links_.states().empty())
+        print_status(links_.states().back(), options_.duration_s);
+    }
+    if (live) fmt::print(kClearLine);
+    return signal;
   }
   static hal::Result<hal::Reconnection> wait_for_robot(const hal::ReconnectRequest& request,
                                                        hal::CycleEnd end) {
@@ -252,11 +264,37 @@ class Drive {
     return back;
   }
 
+  // A cycle of its own is a recording of its own: FILE for the first link, FILE.2 for the next.
+  std::optional<hal::Failure> begin_recording(const hal::Robot& robot) {
+    if (options_.record_file.empty()) return std::nullopt;
+    ++recordings_;
+    record_file_ = options_.record_file;
+    if (recordings_ > 1) record_file_ += fmt::format(".{}", recordings_);
+    hal::RecordingHeader header = robot.recording_header();
+    header.software = "cargobay " CARGOBAY_VERSION;
+    header.note = fmt::format("{} at {:g} mm/s, {} loop", options_.profile, options_.speed_mm_s,
+                              options_.open_loop ? "open" : "closed");
+    auto file = hal::RecordingFile::create(record_file_, header);
+    if (!file) return file.failure();
+    recording_ = std::move(*file);
+    return std::nullopt;
+  }
+  void end_recording(const hal::Robot& robot, Ending& ending) {
+    if (!recording_) return;
+    recording_->append(robot.flight_recorder());
+    ending.recordings.push_back(record_file_);
+    if (!ending.unrecorded) ending.unrecorded = recording_->failure();
+    recording_.reset();
+  }
+
   const DriveOptions& options_;
   StopSignals& signals_;
   DriveLinks links_;
   EventPrinter printer_;
   Driver driver_;
+  std::optional<hal::RecordingFile> recording_{};  // of the link
+  std::string record_file_{};                      // the same
+  int recordings_ = 0;
   rt::RealtimeGrant grant_{};  // of the last link
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oi/limits.hpp"
+
 namespace cargobay::cli {
 namespace {
 
@@ -78,12 +80,16 @@ std::vector<DriveSample> join(const std::vector<hal::CycleState>& states,
   std::vector<DriveSample> samples;
   samples.reserve(states.size());
   std::size_t next = 0;
+  rt::TimePoint former{};
+  if (!states.empty()) former = states.front().arrival - oi::kTick;
   for (const hal::CycleState& state : states) {
     while (next < truth.size() && truth[next].time <= state.arrival) ++next;
     DriveSample sample{.time_s = static_cast<double>(state.tick) * 0.015,
+                       .interval_ms = 1e3 * rt::seconds(state.arrival - former),
                        .set = state.set,
                        .estimate = state.estimate,
                        .command = state.command};
+    former = state.arrival;
     if (next > 0) sample.truth = truth[next - 1].speeds;
     samples.push_back(sample);
   }

@@ -11,7 +11,8 @@
 namespace cargobay::cli {
 
 struct DriveSample {
-  double time_s = 0.0;  // robot time since the first frame
+  double time_s = 0.0;       // robot time since the first frame
+  double interval_ms = 0.0;  // since the frame before arrived; a tick for the first
   rt::WheelSpeeds set{};
   rt::WheelSpeeds estimate{};
   rt::WheelSpeeds command{};

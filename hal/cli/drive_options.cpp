@@ -46,7 +46,9 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
     return hal::Failure{fmt::format("--reconnect={} is not above 0 and up to {:g} seconds",
                                     options.reconnect, kLongestWaitS)};
   }
-  for (const std::string& file : {options.json_file, options.plot_file}) {
+  if (options.record_file == "-")
+    return hal::Failure{"--record needs the name of a file: a recording is not for reading"};
+  for (const std::string& file : {options.json_file, options.plot_file, options.record_file}) {
     if (file.empty()) continue;
     if (auto failure = check_writable(file)) return failure;
   }
@@ -104,6 +106,9 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
                      "Write the results to this file; - for standard output");
   command.add_option("--plot", options.plot_file,
                      "Draw set, true, estimated and commanded speed to this SVG file");
+  command.add_option("--record", options.record_file,
+                     "Record every byte, time and state to this file, for cargobay replay and plot "
+                     "(about 10 kB a second)");
   command.add_flag("--require-rt", options.require_rt,
                    "Fail if SCHED_FIFO or locked memory is refused");
   command
@@ -128,7 +133,8 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
       "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
       "  cargobay drive --baud 19200\n"
       "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300\n"
-      "  cargobay drive --port /dev/ttyUSB0 --duration 3600 --reconnect=60");
+      "  cargobay drive --port /dev/ttyUSB0 --duration 3600 --reconnect=60\n"
+      "  cargobay drive --record drive.rec");
 }
 
 }  // namespace cargobay::cli

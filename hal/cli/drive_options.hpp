@@ -35,6 +35,7 @@ struct DriveOptions {
   std::string reconnect;  // seconds to wait for a lost port; empty: not at all
   std::string json_file;
   std::string plot_file;
+  std::string record_file;
   SimOptions sim{};
 };
 

@@ -26,6 +26,8 @@ int run(int argc, char** argv) {
       "drive");
   cli::Action chosen;
   cli::add_drive(app, chosen);
+  cli::add_replay(app, chosen);
+  cli::add_plot(app, chosen);
   cli::add_bringup(app, chosen);
   cli::add_ports(app, chosen);
   cli::add_pins(app, chosen);

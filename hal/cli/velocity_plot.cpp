@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kWidth = 1000.0;
 constexpr double kPanelHeight = 300.0;
+constexpr double kIntervalHeight = 120.0;
 constexpr double kLeft = 70.0;
 constexpr double kRight = 150.0;  // for the labels
 constexpr double kTop = 46.0;
@@ -60,11 +61,11 @@ enum class TimeAxis : std::uint8_t { labelled, unlabelled };
 
 class Panel {
  public:
-  Panel(double top, double duration_s, Range range)
-      : top_{top}, duration_s_{duration_s}, range_{range} {}
+  Panel(double top, double height, double duration_s, Range range)
+      : top_{top}, height_{height}, duration_s_{duration_s}, range_{range} {}
 
-  void frame(const std::string& name, TimeAxis time_axis) {
-    const double step = nice_step(range_.high - range_.low, 5);
+  void frame(const std::string& heading, TimeAxis time_axis) {
+    const double step = nice_step(range_.high - range_.low, height_ < kPanelHeight ? 3 : 5);
     for (const double v : marks(range_.low, range_.high, step)) {
       put(R"(<line x1="{:.1f}" x2="{:.1f}" y1="{:.1f}" y2="{:.1f}" stroke="#e3e3e3"/>)", kLeft,
           kWidth - kRight, y(v), y(v));
@@ -73,18 +74,17 @@ class Panel {
     const double time_step = nice_step(duration_s_, 10);
     for (const double t : marks(0.0, duration_s_, time_step)) {
       put(R"(<line x1="{:.1f}" x2="{:.1f}" y1="{:.1f}" y2="{:.1f}" stroke="#e3e3e3"/>)", x(t), x(t),
-          top_, top_ + kPanelHeight);
+          top_, top_ + height_);
       if (time_axis == TimeAxis::labelled)
         put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{:g}</text>)", x(t),
-            top_ + kPanelHeight + 18, t);
+            top_ + height_ + 18, t);
     }
     put(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="none" stroke="#888"/>)",
-        kLeft, top_, kWidth - kLeft - kRight, kPanelHeight);
-    put(R"(<text x="{:.1f}" y="{:.1f}" font-weight="bold">{} wheel, mm/s</text>)", kLeft, top_ - 8,
-        name);
+        kLeft, top_, kWidth - kLeft - kRight, height_);
+    put(R"(<text x="{:.1f}" y="{:.1f}" font-weight="bold">{}</text>)", kLeft, top_ - 8, heading);
     if (time_axis == TimeAxis::labelled) {
       put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">seconds of robot time</text>)",
-          (kLeft + kWidth - kRight) / 2, top_ + kPanelHeight + 38);
+          (kLeft + kWidth - kRight) / 2, top_ + height_ + 38);
     }
   }
 
@@ -108,7 +108,7 @@ class Panel {
       label.y = std::max(label.y, lowest);
       lowest = label.y + kLine;
     }
-    double highest = top_ + kPanelHeight - 4;
+    double highest = top_ + height_ - 4;
     std::reverse(labels_.begin(), labels_.end());
     for (Label& label : labels_) {
       label.y = std::min(label.y, highest);
@@ -128,7 +128,7 @@ class Panel {
   };
   double x(double time_s) const { return kLeft + time_s / duration_s_ * (kWidth - kLeft - kRight); }
   double y(double value) const {
-    return top_ + (range_.high - value) / (range_.high - range_.low) * kPanelHeight;
+    return top_ + (range_.high - value) / (range_.high - range_.low) * height_;
   }
   template <typename... Arguments>
   void put(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -138,6 +138,7 @@ class Panel {
 
   std::string svg_;
   double top_;
+  double height_;
   double duration_s_;
   Range range_;
   std::vector<Label> labels_;
@@ -158,6 +159,10 @@ std::vector<Curve> curves(double rt::WheelSpeeds::* wheel, bool has_truth) {
   return all;
 }
 
+double duration(const std::vector<DriveSample>& samples) {
+  return std::max(samples.back().time_s, 0.1);
+}
+
 std::string wheel_panel(const std::string& name, double rt::WheelSpeeds::* wheel,
                         const std::vector<DriveSample>& samples, double top, TimeAxis time_axis) {
   const std::vector<Curve> all = curves(wheel, samples.back().truth.has_value());
@@ -167,10 +172,23 @@ std::string wheel_panel(const std::string& name, double rt::WheelSpeeds::* wheel
     for (const DriveSample& sample : samples) range.include(curve.value(sample));
   }
   const double margin = std::max(0.05 * (range.high - range.low), 5.0);
-  const double duration_s = std::max(samples.back().time_s, 0.1);
-  Panel panel{top, duration_s, {range.low - margin, range.high + margin}};
-  panel.frame(name, time_axis);
+  Panel panel{top, kPanelHeight, duration(samples), {range.low - margin, range.high + margin}};
+  panel.frame(name + " wheel, mm/s", time_axis);
   for (const Curve& curve : all) panel.draw(curve, samples);
+  panel.write_labels();
+  return panel.svg();
+}
+
+std::string interval_panel(const std::vector<DriveSample>& samples, double top) {
+  Range range;
+  range.include(0.0);
+  range.include(30.0);  // two ticks
+  for (const DriveSample& sample : samples) range.include(1.05 * sample.interval_ms);
+  const Curve curve{"interval", "#8250df", R"(stroke-width="1.2")",
+                    [](const DriveSample& s) { return s.interval_ms; }};
+  Panel panel{top, kIntervalHeight, duration(samples), range};
+  panel.frame("Between two frames, ms", TimeAxis::labelled);
+  panel.draw(curve, samples);
   panel.write_labels();
   return panel.svg();
 }
@@ -192,8 +210,12 @@ std::string escaped(const std::string& text) {
 
 }  // namespace
 
-std::string velocity_plot(const std::vector<DriveSample>& samples, const std::string& title) {
-  const double height = kTop + 2 * kPanelHeight + kGap + kBottom;
+std::string velocity_plot(const std::vector<DriveSample>& samples, const std::string& title,
+                          Intervals intervals) {
+  const bool third = intervals == Intervals::drawn;
+  const double right_top = kTop + kPanelHeight + kGap;
+  const double third_top = right_top + kPanelHeight + kGap;
+  const double height = (third ? third_top + kIntervalHeight : right_top + kPanelHeight) + kBottom;
   std::string svg = fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" font-family="sans-serif" font-size="13" fill="#222">)"
       "\n"
@@ -204,8 +226,9 @@ std::string velocity_plot(const std::vector<DriveSample>& samples, const std::st
       kWidth, height, kLeft, escaped(title));
   if (!samples.empty()) {
     svg += wheel_panel("Left", &rt::WheelSpeeds::left_mm_s, samples, kTop, TimeAxis::unlabelled);
-    svg += wheel_panel("Right", &rt::WheelSpeeds::right_mm_s, samples, kTop + kPanelHeight + kGap,
-                       TimeAxis::labelled);
+    svg += wheel_panel("Right", &rt::WheelSpeeds::right_mm_s, samples, right_top,
+                       third ? TimeAxis::unlabelled : TimeAxis::labelled);
+    if (third) svg += interval_panel(samples, third_top);
   }
   return svg + "</svg>\n";
 }

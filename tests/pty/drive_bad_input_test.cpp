@@ -82,6 +82,9 @@ const BadInput kBadInputs[]{
     {"JsonFolder", {"--json", "{folder}"}, "name a file"},
     {"PlotWithoutFolder", {"--plot", "{folder}none/plot.svg"}, "name a file in a folder"},
     {"PlotFolder", {"--plot", "{folder}"}, "name a file"},
+    {"RecordWithoutFolder", {"--record", "{folder}none/drive.rec"}, "name a file in a folder"},
+    {"RecordFolder", {"--record", "{folder}"}, "name a file"},
+    {"RecordToStandardOutput", {"--record", "-"}, "--record needs the name of a file"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, DriveBadInputTest, testing::ValuesIn(kBadInputs),

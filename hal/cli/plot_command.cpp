@@ -1,0 +1,87 @@
+// `cargobay plot`: a recorded drive as a drawing.
+
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/drive_log.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/load_recording.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/velocity_plot.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/recording.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  std::string output;
+};
+
+// What is no number has no place on the paper.
+bool drawable(const hal::CycleState& state) {
+  const auto finite = [](const rt::WheelSpeeds& speeds) {
+    return std::isfinite(speeds.left_mm_s) && std::isfinite(speeds.right_mm_s);
+  };
+  return finite(state.set) && finite(state.estimate) && finite(state.command);
+}
+
+std::vector<hal::CycleState> states_of(const hal::Recording& recording) {
+  std::vector<hal::CycleState> states;
+  hal::Entry entry;
+  for (hal::EntryCursor cursor{recording.blocks()}; cursor.next(entry);) {
+    if (entry.kind == hal::EntryKind::state && drawable(entry.state)) states.push_back(entry.state);
+  }
+  return states;
+}
+
+std::string title(const hal::RecordingHeader& header) {
+  const std::time_t seconds = static_cast<std::time_t>(header.started_ns / 1'000'000'000);
+  return fmt::format("{}, {:%Y-%m-%d %H:%M:%S} UTC", header.note, fmt::gmtime(seconds));
+}
+
+int plot(Options options) {
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  if (options.output.empty()) options.output = options.file == "-" ? "-" : options.file + ".svg";
+  if (const auto failure = check_writable(options.output)) return fail(*failure);
+  const auto loaded = load_recording(options.file);
+  if (!loaded) return fail(loaded.failure());
+  const std::vector<hal::CycleState> states = states_of(loaded->recording);
+  if (states.empty()) return fail({options.file + " holds no frame: there is nothing to draw"});
+  const std::string drawing =
+      velocity_plot(join(states, {}), title(loaded->recording.header()), Intervals::drawn);
+  if (const auto failure = write_file(options.output, drawing)) return fail(*failure);
+  if (options.output != "-") fmt::print("Drew {} frames in {}\n", states.size(), options.output);
+  return kSuccess;
+}
+
+}  // namespace
+
+void add_plot(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "plot",
+      "Draw a recorded drive: set, estimated and commanded speed of both wheels, and the time\n"
+      "between its frames, in which late and lost ones stand out.");
+  command->add_option("file", options->file, "A file of drive --record; - for standard input")
+      ->required();
+  command->add_option("-o,--output", options->output,
+                      "The SVG file; - for standard output [FILE.svg]");
+  command->footer(
+      "Examples:\n"
+      "  cargobay drive --profile steps --record steps.rec\n"
+      "  cargobay plot steps.rec -o steps.svg");
+  command->callback([options, &chosen] { chosen = [options] { return plot(*options); }; });
+}
+
+}  // namespace cargobay::cli
