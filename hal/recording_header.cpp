@@ -58,23 +58,34 @@ void each_schedule_field(Parameters& parameters, const Field& field) {
 
 template <typename Parameters, typename Field>
 void each_loop_field(Parameters& parameters, const Field& field) {
-  auto& [estimator, controller, schedule, acceleration_mm_s2, feedback] = parameters;
+  auto& [estimator, controller, schedule, limits, feedback] = parameters;
+  auto& [acceleration_mm_s2, jerk_mm_s3] = limits;
   each_estimator_field(estimator, field);
   each_controller_field(controller, field);
   each_schedule_field(schedule, field);
   field(acceleration_mm_s2);
+  field(jerk_mm_s3);
   field(feedback);
 }
 
 template <typename Parameters, typename Field>
 void each_field(Parameters& parameters, const Field& field) {
-  auto& [loop, drive_mode, late_margin, stop_after, link_timeout, setpoint_lapse] = parameters;
+  auto& [loop, drive_mode, late_margin, stop_after, link_timeout, setpoint_lapse, control_budget,
+         control_overruns_allowed, on_mode_loss, power] = parameters;
+  auto& [low_mv, recovered_mv, low_part, recovered_part] = power;
   each_loop_field(loop, field);
   field(drive_mode);
   field(late_margin);
   field(stop_after);
   field(link_timeout);
   field(setpoint_lapse);
+  field(control_budget);
+  field(control_overruns_allowed);
+  field(on_mode_loss);
+  field(low_mv);
+  field(recovered_mv);
+  field(low_part);
+  field(recovered_part);
 }
 
 class Writer {
@@ -93,6 +104,7 @@ class Writer {
   void operator()(rt::WheelLoop::Feedback value) const {
     (*this)(static_cast<std::uint8_t>(value));
   }
+  void operator()(OnModeLoss value) const { (*this)(static_cast<std::uint8_t>(value)); }
   void operator()(oi::Mode value) const { (*this)(static_cast<std::uint8_t>(value)); }
   void operator()(const std::optional<rt::Remainder>& value) const {
     (*this)(static_cast<std::uint8_t>(value ? static_cast<int>(*value) + 1 : 0));
@@ -133,6 +145,9 @@ class Reader {
   void operator()(rt::WheelLoop::Feedback& value) const {
     sound_ = in_->take(value, rt::WheelLoop::Feedback::open) && sound_;
   }
+  void operator()(OnModeLoss& value) const {
+    sound_ = in_->take(value, OnModeLoss::hold) && sound_;
+  }
   void operator()(oi::Mode& value) const { sound_ = in_->take(value, oi::Mode::full) && sound_; }
   void operator()(std::optional<rt::Remainder>& value) const {
     std::uint8_t byte = 0;
@@ -169,7 +184,8 @@ bool sensible(const RecordingHeader& header) {
   const rt::WheelLoop::Parameters& loop = header.parameters.loop;
   return header.baud >= 300 && header.baud <= 1'000'000 && loop.estimator.wheel_base_mm > 0.0 &&
          loop.estimator.tick_s > 0.0 && loop.estimator.lag_s > 0.0 &&
-         loop.controller.tick_s > 0.0 && loop.acceleration_mm_s2 > 0.0 &&
+         loop.controller.tick_s > 0.0 && loop.limits.acceleration_mm_s2 > 0.0 &&
+         loop.limits.jerk_mm_s3 >= 0.0 &&
          loop.schedule.least_window_ticks <= loop.schedule.window_ticks;
 }
 

@@ -152,9 +152,10 @@ TEST_F(Doctor, SeesKworkersThatWereLeftRaised) {
   EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("priority 79"));
 }
 
-TEST_F(Doctor, SeesRivalsButNotTheKernelsOwn) {
+TEST_F(Doctor, SeesRivalsButNeitherTheKernelsOwnNorGuards) {
   add_process(7, "migration/0", kKernelThread, 99);
   add_process(8, "modest", 0, 79);
+  add_process(11, "cargobay-guard", 0, 90);
   expect("rivals", Verdict::good, "");
   add_process(9, "a (strange) name", 0, 80);
   expect("rivals", Verdict::advice, "chrt");

@@ -54,8 +54,8 @@ TEST(EstimateAgain, IsNearlyTheSameOnADisturbedLine) {
   };
   drive.run(2000);
   const EstimateDifference near = again(drive, drive.header.parameters.loop.estimator);
-  EXPECT_LT(near.rms.left_mm_s, 3.0);
-  EXPECT_LT(near.rms.right_mm_s, 3.0);
+  EXPECT_LT(near.rms.left_mm_s, 5.0);
+  EXPECT_LT(near.rms.right_mm_s, 5.0);
 }
 
 TEST(EstimateAgain, TellsHowMuchAParameterMatters) {

@@ -127,16 +127,20 @@ TEST_F(DriveTest, FailsWhenTheRobotIsSwitchedOff) {
 struct Hazard {
   const char* name;
   void (*happen)(Device& device);
+  const char* complaint;
 
   friend std::ostream& operator<<(std::ostream& out, const Hazard& hazard) {
     return out << hazard.name;
   }
 };
 
-constexpr Hazard kCliff{"Cliff", [](Device& device) { device.inputs().cliff_left.cliff = true; }};
+constexpr Hazard kCliff{"Cliff", [](Device& device) { device.inputs().cliff_left.cliff = true; },
+                        "a cliff at the left"};
 constexpr Hazard kWheelDrop{"WheelDrop",
-                            [](Device& device) { device.inputs().wheel_drop_right = true; }};
-constexpr Hazard kCharger{"Charger", [](Device& device) { device.inputs().charger = true; }};
+                            [](Device& device) { device.inputs().wheel_drop_right = true; },
+                            "the right wheel hangs in the air"};
+constexpr Hazard kCharger{"Charger", [](Device& device) { device.inputs().charger = true; },
+                          "the charger is plugged in"};
 
 class DriveHazardTest : public DriveTest, public testing::WithParamInterface<Hazard> {};
 
@@ -145,7 +149,8 @@ TEST_P(DriveHazardTest, EndsADriveInSafe) {
   ASSERT_TRUE(starts_to_move());
   server_->with_device(GetParam().happen);
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("set it on its wheels, unplug the charger"));
+  EXPECT_THAT(command.err(), OneErrorLine(GetParam().complaint));
+  EXPECT_THAT(command.out(), HasSubstr(GetParam().complaint)) << "among the events";
   EXPECT_THAT(command.out(), HasSubstr(kTable));
   EXPECT_EQ(mode(), oi::Mode::passive);
   EXPECT_TRUE(stands_still());
