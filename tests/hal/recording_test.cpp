@@ -19,12 +19,12 @@ using test::RecordedDrive;
 using Bytes = std::vector<std::uint8_t>;
 
 const Bytes& drive() {
-  static const Bytes file = [] {
+  static const Bytes kFile = [] {
     RecordedDrive drive;
     drive.run(60);
     return drive.file();
   }();
-  return file;
+  return kFile;
 }
 
 std::string complaint(const Bytes& file) {
