@@ -2,7 +2,9 @@
 // leaving.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "hal/bring_up.hpp"
@@ -65,6 +67,7 @@ class VirtualDrive {
     EXPECT_FALSE(link.set_wake_threshold(1));
     line.damage = {};
     result_.confirmed_passive = leave(line);
+    expect_one_command_a_tick();
     collect();
     return result_;
   }
@@ -74,6 +77,15 @@ class VirtualDrive {
   DamagedStream line{link};  // undamaged unless told
 
  private:
+  // In every drive, whatever is done to its line. A stop need not wait for a tick.
+  void expect_one_command_a_tick() const {
+    std::optional<std::uint64_t> last_tick;
+    for (const sim::DriveRecord& record : result_.commands) {
+      if (record.command == sim::WheelSpeeds{}) continue;
+      EXPECT_NE(last_tick, record.tick) << "two commands in one tick";
+      last_tick = record.tick;
+    }
+  }
   void collect() {
     result_.frames = cycle_->frames();
     result_.overruns = cycle_->overruns();
