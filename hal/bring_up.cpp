@@ -329,6 +329,12 @@ BringUp::Step BringUp::change_rate() {
 
 BringUp::Step BringUp::take_mode() {
   for (int i = 0; i < kMostTries && !talk_.over(); ++i) {
+    if (i > 0) {
+      // One that streams already may hear nothing else: it takes what comes for data.
+      tell("resynchronise", at_baud(wanted_));
+      talk_.resynchronise();
+      report_.resynchronised = true;
+    }
     if (request_.mode == oi::Mode::safe) {
       tell("Safe");
       talk_.send(oi::Safe{});

@@ -172,8 +172,8 @@ class RealSoak {
     auto robot = hal::Robot::open(std::move(port->stream), {});
     if (!robot) return failed(robot.failure().message);
     cycle_ = &(*robot)->cycle();
-    if (!(*robot)->start({.function = &RealSoak::control, .context = this}))
-      return failed("the control thread does not start");
+    const auto grant = (*robot)->start({.function = &RealSoak::control, .context = this});
+    if (!grant) return failed(grant.failure().message);
     watch(**robot);
     const auto farewell = (*robot)->stop();
     if (farewell.end != hal::CycleEnd::asked) return failed(hal::explain(farewell));

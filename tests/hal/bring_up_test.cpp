@@ -75,6 +75,17 @@ TEST_F(BringUp, FreesARobotStuckInAHalfSentSong) {
   ASSERT_TRUE(run());
 }
 
+// It streams what is wanted, so that nothing seems wrong until it does not change its mode.
+TEST_F(BringUp, FreesARobotThatStreamsAndTakesItsCommandsForData) {
+  ASSERT_TRUE(run());
+  send({128});
+  device_.take_half_command();
+  const auto report = run();
+  ASSERT_TRUE(report) << report.failure().message;
+  EXPECT_TRUE(report->resynchronised);
+  EXPECT_EQ(device_.mode(), oi::Mode::safe);
+}
+
 TEST_F(BringUp, RefusesAStreamThatDoesNotFit) {
   ASSERT_FALSE(link_.set_baud(4800));
   const auto report = run();
