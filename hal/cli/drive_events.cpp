@@ -10,7 +10,7 @@
 namespace cargobay::cli {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr std::int64_t kTicksAround = 8;
 
@@ -20,8 +20,8 @@ double robot_time_s(std::int64_t tick) {
 
 constexpr unsigned kBits = 8;  // of a set
 
-json names(hal::Hazards hazards) {
-  json names = json::array();
+Json names(hal::Hazards hazards) {
+  Json names = Json::array();
   for (unsigned bit = 0; bit < kBits; ++bit) {
     const auto hazard = static_cast<hal::Hazard>(bit);
     if (hazards.has(hazard)) names.push_back(hal::name(hazard));
@@ -29,8 +29,8 @@ json names(hal::Hazards hazards) {
   return names;
 }
 
-json names(oi::BitSet<oi::Overcurrent> overcurrents) {
-  json names = json::array();
+Json names(oi::BitSet<oi::Overcurrent> overcurrents) {
+  Json names = Json::array();
   for (unsigned bit = 0; bit < kBits; ++bit) {
     if (overcurrents.has(static_cast<oi::Overcurrent>(bit)))
       names.push_back(oi::bit_name(oi::PacketId::overcurrents, bit));
@@ -38,12 +38,12 @@ json names(oi::BitSet<oi::Overcurrent> overcurrents) {
   return names;
 }
 
-json wheels(const rt::WheelSpeeds& speeds) {
+Json wheels(const rt::WheelSpeeds& speeds) {
   return {{"left", speeds.left_mm_s}, {"right", speeds.right_mm_s}};
 }
 
-json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states) {
-  json around = json::array();
+Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states) {
+  Json around = Json::array();
   auto state = std::lower_bound(
       states.begin(), states.end(), tick - kTicksAround,
       [](const hal::CycleState& each, std::int64_t first) { return each.tick < first; });
@@ -59,7 +59,7 @@ json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states
 }
 
 // What only events of this kind have.
-void put_details(json& out, const hal::Event& event) {
+void put_details(Json& out, const hal::Event& event) {
   using Kind = hal::EventKind;
   switch (event.what) {
     case Kind::mode_lost:
@@ -87,10 +87,10 @@ std::string line(const hal::Event& event) {
   return fmt::format("{:8.3f} s  {}\n", robot_time_s(event.tick), hal::describe(event));
 }
 
-json events_json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states) {
-  json list = json::array();
+std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states) {
+  Json list = Json::array();
   for (const hal::Event& event : events) {
-    json out{{"what", hal::name(event.what)},
+    Json out{{"what", hal::name(event.what)},
              {"tick", event.tick},
              {"time_s", robot_time_s(event.tick)},
              {"text", hal::describe(event)}};
@@ -99,7 +99,7 @@ json events_json(std::span<const hal::Event> events, const std::vector<hal::Cycl
       out["states"] = states_around(event.tick, states);
     list.push_back(std::move(out));
   }
-  return list;
+  return list.dump();
 }
 
 }  // namespace cargobay::cli

@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "hal/control_cycle.hpp"
 #include "hal/events.hpp"
 
@@ -15,9 +13,8 @@ namespace cargobay::cli {
 // "  12.345 s  a cliff ...", with its end of line; the time is the robot's.
 std::string line(const hal::Event& event);
 
-// `states`: of the whole drive, in order. An event carries those of the ticks around it, except
-// where frames were lost: on a bad line that is too many.
-nlohmann::json events_json(std::span<const hal::Event> events,
-                           const std::vector<hal::CycleState>& states);
+// A JSON array. `states`: of the whole drive, in order. An event carries those of the ticks around
+// it, except where frames were lost: on a bad line that is too many.
+std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states);
 
 }  // namespace cargobay::cli

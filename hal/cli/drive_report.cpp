@@ -121,7 +121,7 @@ std::string json(const DriveReport& report) {
         {"user", report.overruns.user},
         {"write", report.overruns.write}}},
       {"control_refused", report.refused_controls},
-      {"events", events_json(report.events, *report.states)},
+      {"events", json::parse(cli::json(report.events, *report.states))},
       {"events_dropped", report.events_dropped},
       {"reconnects", report.reconnects},
       {"without_link_s", rt::seconds(report.without_link)},

@@ -1,12 +1,15 @@
 // `cargobay plot`: a recorded drive as a drawing.
 
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/chrono.h>
+#include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/drive_log.hpp"
@@ -44,7 +47,11 @@ std::vector<hal::CycleState> states_of(const hal::Recording& recording) {
 
 std::string title(const hal::RecordingHeader& header) {
   const std::time_t seconds = static_cast<std::time_t>(header.started_ns / 1'000'000'000);
-  return fmt::format("{}, {:%Y-%m-%d %H:%M:%S} UTC", header.note, fmt::gmtime(seconds));
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::array<char, 32> text{};
+  const std::size_t size = std::strftime(text.data(), text.size(), "%F %T", &utc);
+  return fmt::format("{}, {} UTC", header.note, std::string_view{text.data(), size});
 }
 
 int plot(Options options) {
