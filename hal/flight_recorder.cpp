@@ -150,7 +150,8 @@ bool FlightRecorder::next(Cursor& cursor, Block& block) const {
     if (cursor.word_ >= end) return false;
     // Acquire: where a word is a newer one, the load of oldest_ below sees that it was overwritten.
     const std::uint64_t first = word(cursor.word_).load(std::memory_order_acquire);
-    const std::uint64_t length = std::min<std::uint64_t>(length_of(first), kMostBlockBytes);
+    const auto length =
+        static_cast<std::size_t>(std::min<std::uint64_t>(length_of(first), kMostBlockBytes));
     block.number = static_cast<std::uint32_t>(first >> 32U);
     block.time = rt::TimePoint{rt::Duration{
         static_cast<std::int64_t>(word(cursor.word_ + 1).load(std::memory_order_acquire))}};

@@ -70,10 +70,10 @@ class FlightRecorder {
   void make_room(std::uint64_t words) noexcept CARGOBAY_NONBLOCKING;
 
   std::atomic<std::uint64_t>& word(std::uint64_t position) noexcept CARGOBAY_NONBLOCKING {
-    return words_[position & mask_];
+    return words_[static_cast<std::size_t>(position & mask_)];
   }
   const std::atomic<std::uint64_t>& word(std::uint64_t position) const {
-    return words_[position & mask_];
+    return words_[static_cast<std::size_t>(position & mask_)];
   }
 
   // The open block; the control thread's own.

@@ -22,10 +22,10 @@ bool take(ByteReader& in, rt::WheelSpeeds& speeds) {
 bool take_read(ByteReader& in, Entry& entry) {
   std::uint64_t count = 0;
   if (!take_errno(in, entry.transfer.error) || !in.take_short(count) ||
-      count > kMostTransferBytes || !in.take(count, entry.bytes)) {
+      count > kMostTransferBytes || !in.take(static_cast<std::size_t>(count), entry.bytes)) {
     return false;
   }
-  entry.transfer.count = count;
+  entry.transfer.count = static_cast<std::size_t>(count);
   return true;
 }
 
@@ -33,10 +33,11 @@ bool take_wrote(ByteReader& in, Entry& entry) {
   std::uint64_t count = 0;
   std::uint64_t offered = 0;
   if (!take_errno(in, entry.transfer.error) || !in.take_short(count) || !in.take_short(offered) ||
-      offered > kMostTransferBytes || count > offered || !in.take(offered, entry.bytes)) {
+      offered > kMostTransferBytes || count > offered ||
+      !in.take(static_cast<std::size_t>(offered), entry.bytes)) {
     return false;
   }
-  entry.transfer.count = count;
+  entry.transfer.count = static_cast<std::size_t>(count);
   return true;
 }
 
