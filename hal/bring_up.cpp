@@ -333,6 +333,7 @@ BringUp::Step BringUp::take_mode() {
       // One that streams already may hear nothing else: it takes what comes for data.
       tell("resynchronise", at_baud(wanted_));
       talk_.resynchronise();
+      talk_.resynchronise();  // a Song of 255 notes
       report_.resynchronised = true;
     }
     if (request_.mode == oi::Mode::safe) {

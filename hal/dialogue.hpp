@@ -36,9 +36,9 @@ struct FramesHeard {
   std::int32_t battery_mv = 0;    // where the list has it
 };
 
-// The longest command that may have been cut short: a Song of all 255 notes that its length can
-// say, as a robot may have understood what was damaged, or sent at another rate; and one byte more.
-inline constexpr std::size_t kResynchronisingBytes = 3 + 2 * 255 + 1;
+// The longest command that may have been cut short: Query List with all 255 packets it can name, as
+// a robot may have understood what was sent at another rate. A Song of 255 notes takes two of them.
+inline constexpr std::size_t kResynchronisingBytes = 2 + 255 + 1;
 
 class Dialogue final : public gpio::PulseClock {
  public:
