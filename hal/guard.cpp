@@ -207,6 +207,4 @@ bool Guard::alive() const {
   return result == 0 && ended.si_pid == 0;
 }
 
-bool Guard::has_fifo() const { return block_->has_fifo.load(std::memory_order_relaxed); }
-
 }  // namespace cargobay::hal

@@ -54,8 +54,8 @@ class Guard {
   void end_driving();
   GuardMark mark() { return GuardMark{*block_}; }
 
-  // For the owner, once the thread has ended. Whether the guard took the robot; it has finished by
-  // then, at most 1 s later.
+  // For the owner, once the thread has ended. Whether the guard took the robot; waits until it has
+  // finished with it, 1 s at most.
   [[nodiscard]] bool took_robot();
   bool confirmed_passive() const;
   // The robot was left in Passive: the guard ends, and is collected.
@@ -63,8 +63,6 @@ class Guard {
 
   // Whether the process is there. From any thread; one system call.
   [[nodiscard]] bool alive() const;
-  pid_t process() const { return process_; }
-  bool has_fifo() const;
 
  private:
   explicit Guard(GuardBlock* block) : block_{block} {}

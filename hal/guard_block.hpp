@@ -20,11 +20,9 @@ enum class GuardState : std::uint32_t {
   taken,        // by the guard: the owner sends nothing any more
 };
 
-enum class GuardFinding : std::uint32_t { nothing, owner_died, owner_hung };
-
 struct GuardBlock {
   // Changes with each change of this structure.
-  static constexpr std::uint64_t kVersion = 0x63617267'6f626102;
+  static constexpr std::uint64_t kVersion = 0x63617267'6f626103;
   // What the guard finds open.
   static constexpr int kPort = 3;
   static constexpr int kBlock = 4;
@@ -47,8 +45,6 @@ struct GuardBlock {
 
   // By the guard.
   std::atomic<bool> ready{false};
-  std::atomic<bool> has_fifo{false};
-  std::atomic<GuardFinding> finding{GuardFinding::nothing};
   std::atomic<bool> confirmed_passive{false};
 };
 static_assert(std::atomic<GuardState>::is_always_lock_free);

@@ -23,6 +23,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
+enum class GuardFinding : std::uint8_t { nothing, owner_died, owner_hung };
+
 constexpr milliseconds kNap{20};
 constexpr milliseconds kLongestLeave{3000};  // the owner's own takes 1 s at most
 constexpr int kNotByHand = 2;
@@ -47,7 +49,7 @@ GuardBlock* map_block() {
 }
 
 // As far as it may: without these it serves as well as the scheduler lets it.
-void take_rights(GuardBlock& block) {
+void take_rights(const GuardBlock& block) {
   (void)mlockall(MCL_CURRENT | MCL_FUTURE);
   cpu_set_t all;
   CPU_ZERO(&all);
@@ -55,8 +57,7 @@ void take_rights(GuardBlock& block) {
   (void)sched_setaffinity(0, sizeof all, &all);  // the owner may be bound to a CPU that is taken
   sched_param parameters{};
   parameters.sched_priority = block.priority;
-  const bool fifo = block.priority > 0 && sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
-  block.has_fifo.store(fifo, std::memory_order_relaxed);
+  if (block.priority > 0) (void)sched_setscheduler(0, SCHED_FIFO, &parameters);
   if (const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); file >= 0) {
     (void)write(file, "-1000", 5);  // only root may
     close(file);
@@ -135,7 +136,6 @@ int run() {
   const bool confirmed =
       stop_robot(GuardBlock::kPort, block->in_writing.load(std::memory_order_acquire));
   block->confirmed_passive.store(confirmed, std::memory_order_release);
-  block->finding.store(finding, std::memory_order_release);
   // A hung owner may wake, and still has the port.
   if (finding == GuardFinding::owner_died) leave_port_as_found(*block);
   return 0;
