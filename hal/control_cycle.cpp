@@ -19,6 +19,19 @@ constexpr rt::Duration kWayAround = std::chrono::milliseconds{2};
 // What takes longer of our own work, which is microseconds, was kept from the processor.
 constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
+// Of the commands that a cycle sends, as far as the robot may still wait for it where the line was
+// cut: all of a Drive Direct but its opcode, all ids of a list.
+constexpr std::size_t kLongestRest =
+    std::max({oi::kDriveDirectBytes - 1, kReadingList.size(), kHazardList.size()});
+
+// Zeros that fit between a frame and the command that answers it in the same tick.
+std::size_t most_fill(std::uint32_t baud) {
+  const rt::Duration room =
+      oi::kTick - oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, baud) - kWayAround;
+  const auto bytes = static_cast<std::size_t>(room / oi::wire_time(1, baud));
+  return std::clamp(bytes, kLongestRest, Outgoing::kMostFill);
+}
+
 // Also false where one is no number.
 bool in_range(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
   constexpr double kMost = oi::kMaxWheelSpeed;
@@ -32,6 +45,8 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
       parameters_{parameters},
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
       command_time_{oi::wire_time(oi::kDriveDirectBytes, stream.baud())},
+      byte_time_{oi::wire_time(1, stream.baud())},
+      most_fill_{most_fill(stream.baud())},
       loop_{parameters.loop},
       ticks_{oi::kTick},
       mode_watch_{parameters.drive_mode},
@@ -124,7 +139,8 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   state.command = loop_.control(state.target);
   state.set = loop_.set();
   const FrameList list = next_list();
-  const Sent sent = tick_has_command(stream_.now()) ? Sent::withheld : send(state.command, list);
+  const rt::TimePoint reaches = stream_.now() + fill_time(fill());
+  const Sent sent = tick_has_command(reaches) ? Sent::withheld : send(state.command, list);
   const rt::TimePoint written = stream_.now();
   if (written - decided > kOwnWork) ++overruns_.write;
   frame_to_command_ns_.record(static_cast<std::uint64_t>((written - state.arrival).count()));
@@ -150,7 +166,8 @@ ControlCycle::Step ControlCycle::hold() noexcept CARGOBAY_NONBLOCKING {
     outgoing_.add_mode(parameters_.drive_mode);
     mode_watch_.rearm();
   }
-  if (list != list_ || misheard_) outgoing_.add_list(list);
+  outgoing_.add_fill(fill());
+  add_list(list);
   return write_out() == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
 }
 
@@ -158,20 +175,21 @@ FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
   using Counters = FrameRotation::Counters;
   const bool searching = mode_watch_.state() == ModeWatch::State::searching;
   const Counters counters = loop_.next_reads() ? Counters::wanted : Counters::not_wanted;
-  const FrameList next = searching ? mode_watch_.wanted() : rotation_.next(counters);
+  FrameList next = searching ? mode_watch_.wanted() : rotation_.next(counters);
+  if (hearing_.deaf() && !searching) next = hearing_.probe();
   former_list_ = list_;
   const bool may_read = next == FrameList::reading || former_list_ == FrameList::reading;
   ticks_since_reads_ = may_read ? 0 : ticks_since_reads_ + 1;
   return next;
 }
 
-// Whether the robot may get what is sent now in the same tick as the last command: a frame that was
-// very late has been answered in the tick of the next.
-bool ControlCycle::tick_has_command(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING {
-  if (!ticks_.in_phase()) return now - last_command_ < oi::kTick - kWayAround;
+// Whether the robot may get what is sent then in the same tick as the last command: a frame that
+// was very late has been answered in the tick of the next.
+bool ControlCycle::tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING {
+  if (!ticks_.in_phase()) return sent - last_command_ < oi::kTick - kWayAround;
   // A command reaches the robot in a new tick where it is sent so long before that tick's frame.
   const rt::Duration lead = frame_time_ + command_time_;
-  const rt::TimePoint tick_began = ticks_.due_by(now + lead) - lead;
+  const rt::TimePoint tick_began = ticks_.due_by(sent + lead) - lead;
   return last_command_ > tick_began - kWayAround;
 }
 
@@ -228,14 +246,34 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
 // Whole means that this very command was.
 ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command,
                                       FrameList list) noexcept CARGOBAY_NONBLOCKING {
-  last_command_ = stream_.now();
+  const std::size_t zeros = fill();
+  last_command_ = stream_.now() + fill_time(zeros);
   // The rest of a command is one: another behind it would be the second in this tick. A stop does
   // not wait for the next.
   const bool only_rest = outgoing_.drives() && command != rt::WheelSpeeds{};
-  if (!only_rest) outgoing_.add_drive(command);
-  if (!only_rest && (list != list_ || misheard_)) outgoing_.add_list(list);
+  if (!only_rest) {
+    outgoing_.add_fill(zeros);
+    outgoing_.add_drive(command);
+    add_list(list);
+  }
   const Sent sent = write_out();
   return only_rest && sent == Sent::whole ? Sent::withheld : sent;
+}
+
+// A line that went dead for a while may have cut a command in two, and its robot takes the next one
+// for the rest: so zeros come first, which are no harm as data and nothing as opcodes. What they
+// complete may be a list, which is why the list follows. A robot that does not stream what it was
+// told gets as many as there is room for: a command that it misread may want hundreds.
+std::size_t ControlCycle::fill() const noexcept CARGOBAY_NONBLOCKING {
+  // The rest of a command comes before anything else, and completes it.
+  if (!outgoing_.empty()) return 0;
+  if (hearing_.deaf()) return most_fill_;
+  return hearing_in_doubt_ || hearing_.misheard() ? kLongestRest : 0;
+}
+
+void ControlCycle::add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+  const bool again = list_in_doubt_ || hearing_in_doubt_ || hearing_.misheard() || hearing_.deaf();
+  if (list != list_ || again) outgoing_.add_list(list);
 }
 
 // Gives the port what is outgoing, in one write.
@@ -247,7 +285,15 @@ ControlCycle::Sent ControlCycle::write_out() noexcept CARGOBAY_NONBLOCKING {
   if (transfer.error != 0 && transfer.error != EAGAIN) return Sent::failed;
   const Outgoing::Taken taken = outgoing_.took(transfer.count);
   if (outgoing_.empty()) guard_.end_write();
-  if (taken.list) list_ = taken.streamed;
+  if (taken.fill) {
+    hearing_in_doubt_ = false;
+    list_in_doubt_ = true;
+  }
+  if (taken.list) {
+    list_ = taken.streamed;
+    list_in_doubt_ = false;
+    hearing_.told(list_);
+  }
   if (taken.drive) acting_ = taken.speeds;
   return taken.missed_drive ? Sent::not_whole : Sent::whole;
 }

@@ -15,6 +15,7 @@
 #include "hal/frame_lists.hpp"
 #include "hal/frame_rotation.hpp"
 #include "hal/guard_mark.hpp"
+#include "hal/hearing_watch.hpp"
 #include "hal/mode_watch.hpp"
 #include "hal/outgoing.hpp"
 #include "hal/power_watch.hpp"
@@ -190,18 +191,26 @@ class ControlCycle {
   std::optional<rt::WheelEstimator::Reading> take_frame() noexcept CARGOBAY_NONBLOCKING;
   Step answer(rt::TimePoint arrival, const Readings& readings) noexcept CARGOBAY_NONBLOCKING;
   void account(rt::TimePoint arrival, const Readings& readings) noexcept CARGOBAY_NONBLOCKING;
+  void account_for_ticks(rt::TimePoint arrival, int frames) noexcept CARGOBAY_NONBLOCKING;
+  std::uint64_t newly_damaged(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   void take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING;
   std::int64_t silent_ticks() const noexcept CARGOBAY_NONBLOCKING;
   void stop_in_silence() noexcept CARGOBAY_NONBLOCKING;
-  bool as_told() const noexcept CARGOBAY_NONBLOCKING;
+  std::optional<FrameList> list_of_frame() const noexcept CARGOBAY_NONBLOCKING;
   void account_for_silence() noexcept CARGOBAY_NONBLOCKING;
   Step answer_in_mode(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   Step control(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   Step hold() noexcept CARGOBAY_NONBLOCKING;
   Step late() noexcept CARGOBAY_NONBLOCKING;
   FrameList next_list() noexcept CARGOBAY_NONBLOCKING;
-  bool tick_has_command(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING;
+  bool tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING;
   Sent send(const rt::WheelSpeeds& command, FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  bool bytes_are_missing(std::int64_t ticks) const noexcept CARGOBAY_NONBLOCKING;
+  void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  std::size_t fill() const noexcept CARGOBAY_NONBLOCKING;
+  rt::Duration fill_time(std::size_t zeros) const noexcept CARGOBAY_NONBLOCKING {
+    return static_cast<std::int64_t>(zeros) * byte_time_;
+  }
   Sent write_out() noexcept CARGOBAY_NONBLOCKING;
   void stop_wheels() noexcept CARGOBAY_NONBLOCKING;
   rt::WheelSpeeds wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
@@ -219,6 +228,8 @@ class ControlCycle {
   Parameters parameters_;
   rt::Duration frame_time_;    // on the wire
   rt::Duration command_time_;  // the same
+  rt::Duration byte_time_;     // the same
+  std::size_t most_fill_;      // zeros in front of a command that leave it in its tick
   ControlFunction control_{};
   GuardMark guard_{};
   StateObserver observer_{};
@@ -231,9 +242,14 @@ class ControlCycle {
   FrameRotation rotation_{};
   FrameList list_ = FrameList::reading;         // that the robot was last told to stream
   FrameList former_list_ = FrameList::reading;  // may still be in a frame on its way
-  bool misheard_ = false;                       // the last frame is of neither
-  int ticks_since_reads_ = 0;                   // since one of the two read the counters
-  std::uint64_t damaged_ = 0;                   // bad frames that the tick clock has not missed yet
+  HearingWatch hearing_{list_};
+  bool hearing_in_doubt_ = false;  // the line was dead since it was filled up
+  bool list_in_doubt_ = false;     // filled up, and not told since
+  int ticks_since_reads_ = 0;      // since one of the two read the counters
+  std::uint64_t corrupt_ = 0;      // candidates, since the last frame
+  std::uint64_t bytes_ = 0;        // received by the last arrival of a frame
+  std::uint64_t skipped_ = 0;      // of these, in no frame
+  std::uint64_t damaged_ = 0;      // bad frames that the tick clock has not missed yet
   rt::TimePoint woken_{};
   rt::TimePoint last_arrival_{};  // of a frame
   rt::TimePoint last_bytes_{};

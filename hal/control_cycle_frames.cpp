@@ -1,9 +1,17 @@
 // What becomes of the bytes that arrive: frames, what they say, and each tick counted once.
 #include <algorithm>
+#include <utility>
 
 #include "hal/control_cycle.hpp"
 
 namespace cargobay::hal {
+namespace {
+
+// Bytes of a frame that noise left a few less of, or a few more.
+constexpr std::size_t kLeastOfAFrame = kFrameBytes - 2;
+constexpr std::size_t kMostOfAFrame = kFrameBytes + 2;
+
+}  // namespace
 
 ControlCycle::Readings ControlCycle::decode(std::span<const std::uint8_t> bytes) noexcept
     CARGOBAY_NONBLOCKING {
@@ -31,7 +39,7 @@ void ControlCycle::give_up_open_frame(Readings& readings) noexcept CARGOBAY_NONB
 void ControlCycle::take(oi::StreamDecoder::Outcome outcome,
                         Readings& readings) noexcept CARGOBAY_NONBLOCKING {
   if (outcome == oi::StreamDecoder::Outcome::corrupt) {
-    ++damaged_;
+    ++corrupt_;
   } else {
     const std::optional<rt::WheelEstimator::Reading> reading = take_frame();
     (void)readings.push_back(reading);  // has room: a frame is at least 5 bytes
@@ -45,27 +53,21 @@ std::optional<rt::WheelEstimator::Reading> ControlCycle::take_frame() noexcept
     CARGOBAY_NONBLOCKING {
   sensors_.clear();
   (void)oi::decode_frame(decoder_.frame(), sensors_);  // whole: the decoder checked its structure
-  misheard_ = !as_told();
+  hearing_.see(list_of_frame());
   if (!sensors_.has(oi::PacketId::distance) || !sensors_.has(oi::PacketId::angle))
     return std::nullopt;
   return rt::WheelEstimator::Reading{.distance_mm = sensors_.raw(oi::PacketId::distance),
                                      .angle_deg = sensors_.raw(oi::PacketId::angle)};
 }
 
-// Whether the frame is of one of the lists that the robot may be streaming now. A command has no
-// checksum: one damaged on its way may have asked for other packets, or have gone unheard.
-bool ControlCycle::as_told() const noexcept CARGOBAY_NONBLOCKING {
-  if (decoder_.frame().size() != kFrameBytes || !sensors_.has(oi::PacketId::oi_mode)) return false;
-  const auto is_of = [this](FrameList list) {
-    switch (list) {
-      case FrameList::reading:
-        return sensors_.has(oi::PacketId::distance) && sensors_.has(oi::PacketId::charging_sources);
-      case FrameList::hazards: return sensors_.has(oi::PacketId::overcurrents);
-      case FrameList::battery: return sensors_.has(oi::PacketId::battery_capacity);
-    }
-    return false;
-  };
-  return is_of(list_) || is_of(former_list_);
+// A command has no checksum: one damaged on its way may have asked for any packets.
+std::optional<FrameList> ControlCycle::list_of_frame() const noexcept CARGOBAY_NONBLOCKING {
+  using enum oi::PacketId;
+  if (decoder_.frame().size() != kFrameBytes || !sensors_.has(oi_mode)) return std::nullopt;
+  if (sensors_.has(distance) && sensors_.has(charging_sources)) return FrameList::reading;
+  if (sensors_.has(overcurrents)) return FrameList::hazards;
+  if (sensors_.has(battery_capacity)) return FrameList::battery;
+  return std::nullopt;
 }
 
 // Looks for what is worth telling.
@@ -92,30 +94,12 @@ void ControlCycle::tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLO
 void ControlCycle::account(rt::TimePoint arrival,
                            const Readings& readings) noexcept CARGOBAY_NONBLOCKING {
   frames_.good += readings.size();
+  const std::uint64_t seen_damaged = newly_damaged(arrival);
   if (!ticks_.started()) {
-    ticks_.start(arrival);
-    damaged_ = 0;  // the tail of whatever was under way when we began to listen
+    ticks_.start(arrival);  // damage was to whatever was under way when we began to listen
   } else {
-    const int lost = ticks_.arrived(arrival, static_cast<int>(readings.size()), damaged_);
-    const auto given_up = static_cast<std::uint64_t>(std::max(lost, 0));
-    const std::uint64_t bad = std::min(damaged_, given_up);
-    const std::uint64_t never_came = given_up - bad;
-    // What never came is missed late, so the list that it was of may be an older one.
-    loop_.lost(lost - foreseen_,
-               ticks_since_reads_ <= (never_came == 0 ? 1 : rt::TickClock::kPatience + 1));
-    frames_.bad += bad;
-    frames_.lost += never_came;
-    if (lost < 0) take_back(static_cast<std::uint64_t>(-lost));
-    if (lost > 0) {
-      tell({.what = EventKind::frames_lost, .frames = static_cast<std::uint32_t>(lost)},
-           ticks_.ticks());
-    }
-    // One frame may be damaged in several places, and noise between two frames damages none.
-    damaged_ = ticks_.missing() == 0 ? 0 : damaged_ - bad;
-    // Of a window, a frame that is missing may have taken most with it.
-    const bool window = list_ != FrameList::reading || former_list_ != FrameList::reading;
-    if (ticks_.in_doubt() || (window && ticks_.missing() > 0)) loop_.doubt_next_reading();
-    if (!ticks_.in_doubt()) foreseen_ = 0;
+    damaged_ += seen_damaged;
+    account_for_ticks(arrival, static_cast<int>(readings.size()));
     // Of several together all but the last are a tick late at least.
     const bool late = arrival - ticks_.due_by(arrival) > parameters_.late_margin;
     if (late || readings.size() > 1) ++overruns_.wait;
@@ -123,10 +107,63 @@ void ControlCycle::account(rt::TimePoint arrival,
   }
   for (const auto& reading : readings) loop_.frame(reading);
   last_arrival_ = arrival;
+  bytes_ = decoder_.counters().bytes;
   if (stopped_in_silence_) tell(EventKind::silence_ended);
   stopped_in_silence_ = false;
   stop_owed_ = false;
   deadline_ = ticks_.expected() + parameters_.late_margin;
+}
+
+// The ticks since the last arrival: with `frames` of them here, the rest bad, lost or still to
+// come.
+void ControlCycle::account_for_ticks(rt::TimePoint arrival,
+                                     int frames) noexcept CARGOBAY_NONBLOCKING {
+  const std::int64_t before = ticks_.ticks() + ticks_.missing();
+  const int lost = ticks_.arrived(arrival, frames, damaged_);
+  const std::int64_t passed = ticks_.ticks() + ticks_.missing() - before;
+  if (bytes_are_missing(passed)) hearing_in_doubt_ = true;
+  if (lost > 0 || ticks_.missing() > 0) hearing_.missed();
+  const auto given_up = static_cast<std::uint64_t>(std::max(lost, 0));
+  const std::uint64_t bad = std::min(damaged_, given_up);
+  const std::uint64_t never_came = given_up - bad;
+  // What never came is missed late, so the list that it was of may be an older one.
+  loop_.lost(lost - foreseen_,
+             ticks_since_reads_ <= (never_came == 0 ? 1 : rt::TickClock::kPatience + 1));
+  frames_.bad += bad;
+  frames_.lost += never_came;
+  if (lost < 0) take_back(static_cast<std::uint64_t>(-lost));
+  if (lost > 0) {
+    tell({.what = EventKind::frames_lost, .frames = static_cast<std::uint32_t>(lost)},
+         ticks_.ticks());
+  }
+  // One frame may be damaged in several places, and noise between two frames damages none.
+  damaged_ = ticks_.missing() == 0 ? 0 : damaged_ - bad;
+  // Of a window, a frame that is missing may have taken most with it.
+  const bool window = list_ != FrameList::reading || former_list_ != FrameList::reading;
+  if (ticks_.in_doubt() || (window && ticks_.missing() > 0)) loop_.doubt_next_reading();
+  if (!ticks_.in_doubt()) foreseen_ = 0;
+}
+
+// Frames that were seen to be no good since the last one that was. One whose header is damaged
+// shows by its bytes alone, as long as they are no more than those of the frames that are missing:
+// a robot says other things too, and if nobody asked it to it may have misheard a command.
+std::uint64_t ControlCycle::newly_damaged(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+  const oi::StreamDecoder::Counters& now = decoder_.counters();
+  const auto ticks = static_cast<std::uint64_t>((arrival - last_arrival_) / oi::kTick);
+  const std::uint64_t skipped = now.skipped - skipped_;
+  const std::uint64_t frames = skipped / kLeastOfAFrame;
+  skipped_ = now.skipped;
+  const std::uint64_t corrupt = std::exchange(corrupt_, 0U);
+  const bool says_more = skipped > ticks * kMostOfAFrame;
+  if (says_more) hearing_in_doubt_ = true;
+  return says_more ? corrupt : std::max(corrupt, frames);
+}
+
+// Of the frames of so many ticks since the last one, bytes are missing, not only wrong: the line
+// was dead for a while, or the robot silent.
+bool ControlCycle::bytes_are_missing(std::int64_t ticks) const noexcept CARGOBAY_NONBLOCKING {
+  const std::uint64_t bytes = decoder_.counters().bytes - bytes_;
+  return bytes < static_cast<std::uint64_t>(ticks) * kFrameBytes;
 }
 
 // Frames that were given up are here. Of the bad ones, what looked like their remains was noise.
@@ -150,6 +187,7 @@ void ControlCycle::stop_in_silence() noexcept CARGOBAY_NONBLOCKING {
     loop_.lost(foreseen_, true);
   }
   loop_.stop();
+  hearing_in_doubt_ = true;
   tell(EventKind::silence_began);
 }
 

@@ -1,6 +1,7 @@
 #include "hal/outgoing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -29,6 +30,19 @@ void Outgoing::add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING {
   } else {
     add({.kind = Kind::mode}, oi::encode(oi::Safe{}));
   }
+}
+
+void Outgoing::add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING {
+  static constexpr std::array<std::uint8_t, kMostFill> kZeros{};
+  if (zeros == 0) return;
+  append({.kind = Kind::fill}, std::span{kZeros}.first(std::min(zeros, kMostFill)));
+}
+
+void Outgoing::append(Piece piece,
+                      std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
+  if (pieces_.full() || !bytes_.append(bytes)) return;  // by construction there is room
+  piece.end = bytes_.size();
+  (void)pieces_.push_back(piece);
 }
 
 bool Outgoing::drives() const noexcept CARGOBAY_NONBLOCKING {
@@ -69,6 +83,8 @@ void Outgoing::note(const Piece& piece, Taken& taken) noexcept CARGOBAY_NONBLOCK
   } else if (piece.kind == Kind::list) {
     taken.list = true;
     taken.streamed = piece.list;
+  } else if (piece.kind == Kind::fill) {
+    taken.fill = true;
   }
 }
 

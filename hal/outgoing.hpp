@@ -25,6 +25,7 @@ class Outgoing {
     bool drive = false;
     rt::WheelSpeeds speeds{};
     bool missed_drive = false;  // one did not, or not whole
+    bool fill = false;
     bool list = false;
     FrameList streamed = FrameList::reading;
   };
@@ -32,6 +33,10 @@ class Outgoing {
   // DriveDirect in whole mm/s, within the robot's range.
   void add_drive(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING;
   void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  // Completes whatever command the robot may have got the beginning of: 0 is no speed where it is
+  // data, and no command where it is an opcode. At most kMostFill.
+  static constexpr std::size_t kMostFill = 160;
+  void add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING;
   // Safe or Full.
   void add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING;
 
@@ -45,30 +50,28 @@ class Outgoing {
   Taken took(std::size_t count) noexcept CARGOBAY_NONBLOCKING;
 
  private:
-  enum class Kind : std::uint8_t { drive, list, mode };
+  enum class Kind : std::uint8_t { drive, list, mode, fill };
   struct Piece {
     Kind kind = Kind::drive;
     std::size_t end = 0;  // in bytes_
     rt::WheelSpeeds speeds{};
     FrameList list = FrameList::reading;
   };
-  // A Stream list is the longest.
+  // A Stream list is the longest command.
   static constexpr std::size_t kMostCommandBytes = 2 + oi::kMaxStreamPackets;
-  static constexpr std::size_t kMostPieces = 4;  // a rest, and one of each kind
+  static constexpr std::size_t kMostPieces = 5;  // a rest, and one of each kind
 
   template <typename Encoded>
-  void add(Piece piece, const Encoded& encoded) noexcept CARGOBAY_NONBLOCKING {
-    // By construction it can be encoded, and has room.
-    if (!encoded.has_value() || pieces_.full() || !bytes_.append(*encoded)) return;
-    piece.end = bytes_.size();
-    (void)pieces_.push_back(piece);
+  void add(const Piece& piece, const Encoded& encoded) noexcept CARGOBAY_NONBLOCKING {
+    if (encoded.has_value()) append(piece, *encoded);  // by construction it can be encoded
   }
+  void append(Piece piece, std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING;
 
   static void note(const Piece& piece, Taken& taken) noexcept CARGOBAY_NONBLOCKING;
   void clear() noexcept CARGOBAY_NONBLOCKING;
   void keep(Piece piece, std::size_t from) noexcept CARGOBAY_NONBLOCKING;
 
-  oi::FixedList<std::uint8_t, kMostPieces * kMostCommandBytes> bytes_{};
+  oi::FixedList<std::uint8_t, (kMostPieces - 1) * kMostCommandBytes + kMostFill> bytes_{};
   oi::FixedList<Piece, kMostPieces> pieces_{};
   bool begins_with_rest_ = false;
 };

@@ -59,6 +59,7 @@ void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
   }
   sent_ = {};
   ticks_since_read_ = 0;
+  command_unsure_ = 0;
   reading_unsure_ = true;  // the first reading counts from the robot's last read, whenever that was
   log_odds_ = kInitialLogOdds;
   belief_ = RemainderBelief::unknown;
@@ -91,6 +92,7 @@ void WheelEstimator::predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBL
   }
   sent_ = command;
   ++ticks_since_read_;
+  command_unsure_ = std::max(command_unsure_ - 1, 0);
 }
 
 void WheelEstimator::step(const WheelSpeeds& command,
@@ -108,7 +110,12 @@ void WheelEstimator::step(const WheelSpeeds& command,
                          carried_.turn.read(reading->angle_deg, Remainder::carried);
   const double lost = lost_.distance.read(reading->distance_mm, Remainder::lost) +
                       lost_.turn.read(reading->angle_deg, Remainder::lost);
-  weigh(carried - lost);
+  if (command_unsure_ == 0) weigh(carried - lost);
+}
+
+void WheelEstimator::doubt_command() noexcept CARGOBAY_NONBLOCKING {
+  constexpr double kLags = 3.0;
+  command_unsure_ = static_cast<int>(std::ceil(kLags * parameters_.lag_s / parameters_.tick_s));
 }
 
 // Whether a robot at full speed, and then some, could have gone so far since the last reading.

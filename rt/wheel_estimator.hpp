@@ -55,6 +55,10 @@ class WheelEstimator {
   // The next reading may be that of several ticks: nobody can tell yet, so it says nothing.
   void doubt_next_reading() noexcept CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
 
+  // From which tick on the present command acts is not known, as when the robot was told to stop
+  // while its frames stayed away. For three lags the readings are no evidence for either kind.
+  void doubt_command() noexcept CARGOBAY_NONBLOCKING;
+
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
   void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
 
@@ -87,6 +91,7 @@ class WheelEstimator {
   RemainderBelief belief_ = RemainderBelief::unknown;
   int ticks_since_read_ = 0;
   std::uint64_t rejected_ = 0;
+  int command_unsure_ = 0;       // for so many ticks more
   bool reading_unsure_ = false;  // a read may have gone unseen: the next says nothing
 };
 

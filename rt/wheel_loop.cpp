@@ -50,6 +50,7 @@ void WheelLoop::stop() noexcept CARGOBAY_NONBLOCKING {
     wheel->slew.reset(0.0);
     wheel->controller.reset();
   }
+  estimator_.doubt_command();
 }
 
 bool WheelLoop::next_reads() noexcept CARGOBAY_NONBLOCKING {

@@ -46,8 +46,11 @@ class FaultedStream final : public hal::ByteStream {
   }
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
     rt::unchecked([&] {
-      if (bytes.empty() || bytes[0] != oi::DriveDirect::kOpcode) return;
-      drives.push_back(now() + oi::wire_time(oi::kDriveDirectBytes, baud()));
+      // Zeros for half a command may stand in front of it.
+      const auto command = std::ranges::find_if(bytes, [](std::uint8_t byte) { return byte != 0; });
+      if (command == bytes.end() || *command != oi::DriveDirect::kOpcode) return;
+      const auto fill = static_cast<std::size_t>(command - bytes.begin());
+      drives.push_back(now() + oi::wire_time(fill + oi::kDriveDirectBytes, baud()));
     });
     return link_->write(bytes);
   }

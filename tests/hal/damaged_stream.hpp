@@ -1,5 +1,5 @@
-// A byte stream that damages what the robot sends before the host reads it, and takes less of what
-// the host sends than it is given.
+// A byte stream that damages what the robot sends before the host reads it, takes less of what the
+// host sends than it is given, or loses it on the way.
 #pragma once
 
 #include <cerrno>
@@ -22,6 +22,8 @@ class DamagedStream final : public ByteStream {
   std::function<std::size_t(std::span<std::uint8_t>)> damage{};
   // Called with what is to be written; returns how much of it, from its beginning, is taken.
   std::function<std::size_t(std::span<const std::uint8_t>)> accept{};
+  // Called with what was taken; returns how much of it, from its beginning, gets to the robot.
+  std::function<std::size_t(std::span<const std::uint8_t>)> carry{};
 
   // In virtual time the robot runs on the thread that waits for it, and so do the test's own
   // functions: they may allocate.
@@ -42,7 +44,9 @@ class DamagedStream final : public ByteStream {
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
     const std::size_t taken = rt::unchecked([&] { return accept ? accept(bytes) : bytes.size(); });
     if (taken == 0) return {.error = EAGAIN};
-    return stream_->write(bytes.first(taken));
+    const std::size_t carried = rt::unchecked([&] { return carry ? carry(bytes) : taken; });
+    if (carried > 0) (void)stream_->write(bytes.first(carried));  // in virtual time it takes all
+    return {.count = taken};
   }
   rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_->now(); }
   std::uint32_t baud() const override { return stream_->baud(); }

@@ -66,6 +66,7 @@ class VirtualDrive {
     result_.end = cycle_->run();
     EXPECT_FALSE(link.set_wake_threshold(1));
     line.damage = {};
+    line.carry = {};
     result_.confirmed_passive = leave(line);
     expect_one_command_a_tick();
     collect();
@@ -75,10 +76,13 @@ class VirtualDrive {
   sim::Device device;
   sim::VirtualLink link;
   DamagedStream line{link};  // undamaged unless told
+  // The rest of one that was cut may then be filled up in the tick of the next.
+  bool cuts_commands = false;
 
  private:
-  // In every drive, whatever is done to its line. A stop need not wait for a tick.
+  // In every drive, whatever else is done to its line. A stop need not wait for a tick.
   void expect_one_command_a_tick() const {
+    if (cuts_commands) return;
     std::optional<std::uint64_t> last_tick;
     for (const sim::DriveRecord& record : result_.commands) {
       if (record.command == sim::WheelSpeeds{}) continue;

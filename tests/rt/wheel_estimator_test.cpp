@@ -59,6 +59,7 @@ class Drive {
   }
 
   const WheelEstimator& estimator() const { return estimator_; }
+  void doubt_command() { estimator_.doubt_command(); }
   Plant& plant() { return plant_; }
 
  private:
@@ -171,6 +172,19 @@ TEST_P(WheelEstimatorOfBothKinds, IsNotMisledByLostFrames) {
 }
 
 // A second of frames that never came, half of which had read the counters.
+// The stop came a few ticks before or behind what the estimator takes for its time.
+TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromACommandOfUnknownTime) {
+  Drive drive{{.remainder = GetParam()}};
+  drive.run({200.0, -200.0}, 200);
+  const double before = drive.estimator().log_odds_carried();
+  drive.doubt_command();
+  drive.run({0.0, 0.0}, 10);
+  EXPECT_EQ(drive.estimator().log_odds_carried(), before);
+  drive.doubt_command();
+  drive.run({-200.0, 200.0}, 19);
+  EXPECT_EQ(drive.estimator().log_odds_carried(), before) << "three lags";
+}
+
 TEST_P(WheelEstimatorOfBothKinds, GoesOnByTheModelWhereNothingArrives) {
   Drive drive{{.remainder = GetParam()}};
   const WheelSpeeds command{150, 300};
