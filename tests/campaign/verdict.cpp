@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "hal/mode_watch.hpp"
 #include "oi/checksum.hpp"
 #include "oi/frame.hpp"
 #include "oi/limits.hpp"
@@ -52,7 +53,11 @@ class Judge {
   }
 
  private:
-  void violation(const std::string& what) { verdict_.violations.push_back(what); }
+  // Each kind once.
+  void violation(const std::string& what) {
+    if (std::ranges::find(verdict_.violations, what) == verdict_.violations.end())
+      verdict_.violations.push_back(what);
+  }
 
   const TickSeen* tick(std::uint64_t number) const {
     const std::uint64_t first = seen_.ticks.front().tick;
@@ -74,9 +79,19 @@ class Judge {
       if (silence < 1s || (silence > kLongestSilence && !fault_.damages_commands))
         violation("lost the link at a wrong time");
     }
-    if (end == CycleEnd::mode_lost && tick(seen_.last_tick)->mode == oi::Mode::safe)
-      violation("lost a mode that held");
+    if (end == CycleEnd::mode_lost && mode_held()) violation("lost a mode that held");
     if (end == CycleEnd::hung_up) violation("took the port for gone");
+  }
+
+  // In all the ticks in which the loss may have been seen and its cause looked for: a damaged
+  // command may have brought the mode back behind it.
+  bool mode_held() const {
+    constexpr std::uint64_t kLook = kLatestBehindLongFrames + hal::ModeWatch::kSearchFrames;
+    for (std::uint64_t back = 0; back <= kLook; ++back) {
+      const TickSeen* const then = tick(seen_.last_tick - back);
+      if (then != nullptr && then->mode != oi::Mode::safe) return false;
+    }
+    return true;
   }
 
   // A tick without a frame is a lost frame: the host cannot tell, and the robot said nothing.
