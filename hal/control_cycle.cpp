@@ -11,11 +11,12 @@ namespace {
 
 // Behind the last bit of a frame its bytes may be handed over this much later.
 constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
-// A frame's bytes may come in two pieces, a USB adapter's 16 ms apart. After this nothing more
-// comes.
-constexpr rt::Duration kQuiet = 2 * oi::kTick;
-// What the adapter and the kernel may add to the way of a frame and of its answer together.
-constexpr rt::Duration kWayAround = std::chrono::milliseconds{2};
+// A frame's bytes may come in two pieces, a USB adapter's 16 ms apart. After so many ticks nothing
+// more comes.
+constexpr int kQuietTicks = 2;
+// What the adapter and the kernel may add to the way of a frame and of its answer together: 2 ms of
+// the robot's 15.
+constexpr rt::Duration way_around(rt::Duration tick) { return tick * 2 / 15; }
 // What takes longer of our own work, which is microseconds, was kept from the processor.
 constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
@@ -25,10 +26,11 @@ constexpr std::size_t kLongestRest =
     std::max({oi::kDriveDirectBytes - 1, kReadingList.size(), kHazardList.size()});
 
 // Zeros that fit between a frame and the command that answers it in the same tick.
-std::size_t most_fill(std::uint32_t baud) {
+std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
   const rt::Duration room =
-      oi::kTick - oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, baud) - kWayAround;
-  const auto bytes = static_cast<std::size_t>(room / oi::wire_time(1, baud));
+      tick - oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, baud) - way_around(tick);
+  const rt::Duration least = std::max(room, rt::Duration::zero());
+  const auto bytes = static_cast<std::size_t>(least / oi::wire_time(1, baud));
   return std::clamp(bytes, kLongestRest, Outgoing::kMostFill);
 }
 
@@ -43,12 +45,13 @@ bool in_range(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
 ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
     : stream_{stream},
       parameters_{parameters},
+      tick_{std::llround(parameters.loop.estimator.tick_s * 1e9)},
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
       command_time_{oi::wire_time(oi::kDriveDirectBytes, stream.baud())},
       byte_time_{oi::wire_time(1, stream.baud())},
-      most_fill_{most_fill(stream.baud())},
+      most_fill_{most_fill(tick_, stream.baud())},
       loop_{parameters.loop},
-      ticks_{oi::kTick},
+      ticks_{tick_},
       mode_watch_{parameters.drive_mode},
       power_{parameters.power} {}
 
@@ -83,7 +86,7 @@ ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   if (transfer.error != 0) return end(CycleEnd::hung_up);
   if (transfer.count > 0) last_bytes_ = now;
   Readings readings = decode({received_.data(), transfer.count});
-  if (readings.empty() && now - last_bytes_ >= kQuiet) give_up_open_frame(readings);
+  if (readings.empty() && now - last_bytes_ >= kQuietTicks * tick_) give_up_open_frame(readings);
   if (!readings.empty()) return answer(now, readings);
   return now >= deadline_ ? late() : Step::on;
 }
@@ -186,11 +189,11 @@ FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
 // Whether the robot may get what is sent then in the same tick as the last command: a frame that
 // was very late has been answered in the tick of the next.
 bool ControlCycle::tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING {
-  if (!ticks_.in_phase()) return sent - last_command_ < oi::kTick - kWayAround;
+  if (!ticks_.in_phase()) return sent - last_command_ < tick_ - way_around(tick_);
   // A command reaches the robot in a new tick where it is sent so long before that tick's frame.
   const rt::Duration lead = frame_time_ + command_time_;
   const rt::TimePoint tick_began = ticks_.due_by(sent + lead) - lead;
-  return last_command_ > tick_began - kWayAround;
+  return last_command_ > tick_began - way_around(tick_);
 }
 
 rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
@@ -199,7 +202,7 @@ rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) noexcept CARGOBAY_
 }
 
 rt::WheelSpeeds ControlCycle::ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-  const double seconds = static_cast<double>(state.tick) * rt::seconds(oi::kTick);
+  const double seconds = static_cast<double>(state.tick) * rt::seconds(tick_);
   const rt::WheelSpeeds speeds = control_.function(control_.context, state, seconds);
   const bool sane = in_range(speeds);
   if (!sane) ++refused_;
@@ -228,7 +231,7 @@ bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCK
 // once, by a stop: from there the wheels start anew.
 ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   ++frames_.late;
-  deadline_ += oi::kTick;
+  deadline_ += tick_;
   const rt::TimePoint now = stream_.now();
   const rt::Duration silence = now - last_arrival_;
   if (silence >= parameters_.link_timeout && now >= expected_until_) {

@@ -100,6 +100,7 @@ struct StateObserver {
 class ControlCycle {
  public:
   struct Parameters {
+    // Its estimator's tick_s is the robot's tick: 15 ms, but where the cycle itself is measured.
     rt::WheelLoop::Parameters loop{};
     oi::Mode drive_mode = oi::Mode::safe;  // safe or full: where the robot must stay
     rt::Duration late_margin = std::chrono::milliseconds{5};   // after which a frame is late
@@ -226,6 +227,7 @@ class ControlCycle {
 
   ByteStream& stream_;
   Parameters parameters_;
+  rt::Duration tick_;
   rt::Duration frame_time_;    // on the wire
   rt::Duration command_time_;  // the same
   rt::Duration byte_time_;     // the same

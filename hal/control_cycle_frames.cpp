@@ -149,7 +149,7 @@ void ControlCycle::account_for_ticks(rt::TimePoint arrival,
 // a robot says other things too, and if nobody asked it to it may have misheard a command.
 std::uint64_t ControlCycle::newly_damaged(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   const oi::StreamDecoder::Counters& now = decoder_.counters();
-  const auto ticks = static_cast<std::uint64_t>((arrival - last_arrival_) / oi::kTick);
+  const auto ticks = static_cast<std::uint64_t>((arrival - last_arrival_) / tick_);
   const std::uint64_t skipped = now.skipped - skipped_;
   const std::uint64_t frames = skipped / kLeastOfAFrame;
   skipped_ = now.skipped;
@@ -175,7 +175,7 @@ void ControlCycle::take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING
 
 // Of the robot, that passed since the last frame. For a deadline that is over.
 std::int64_t ControlCycle::silent_ticks() const noexcept CARGOBAY_NONBLOCKING {
-  return (stream_.now() - ticks_.expected()) / oi::kTick + 1;
+  return (stream_.now() - ticks_.expected()) / tick_ + 1;
 }
 
 // Up to now the last command was obeyed; from now on none is.

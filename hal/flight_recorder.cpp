@@ -77,6 +77,13 @@ void FlightRecorder::state(const CycleState& state) noexcept CARGOBAY_NONBLOCKIN
   close_block();
 }
 
+StateObserver FlightRecorder::observer() {
+  constexpr auto kSee = [](void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<FlightRecorder*>(recorder)->state(state);
+  };
+  return {.function = kSee, .context = this};
+}
+
 void FlightRecorder::ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING {
   begin(EntryKind::ended, 1);
   put(static_cast<std::uint8_t>(end));

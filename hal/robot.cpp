@@ -32,10 +32,6 @@ std::string remedy(Hazards causes) {
   return causes.has(Hazard::charger) ? "unplug it" : "move it away from the edge";
 }
 
-void record_state(void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-  static_cast<FlightRecorder*>(recorder)->state(state);
-}
-
 }  // namespace
 
 Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
@@ -47,7 +43,7 @@ Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
       recorded_{*stream_, recorder_} {
   options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
   cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);
-  cycle_->set_observer({.function = &record_state, .context = &recorder_});
+  cycle_->set_observer(recorder_.observer());
 }
 
 Robot::~Robot() { (void)stop(); }

@@ -14,7 +14,7 @@
 namespace cargobay::oi {
 namespace {
 
-using What = ScriptTextError::What;
+using Wrong = ScriptTextError::What;
 
 class Compiler {
  public:
@@ -27,13 +27,13 @@ class Compiler {
     }
     if (!overflow_) return true;
     error_.excess = size_ - kMaxScriptBytes;
-    return fail(What::too_long, *overflow_);
+    return fail(Wrong::too_long, *overflow_);
   }
   const ScriptTextError& error() const { return error_; }
   const Script& script() const { return script_; }
 
  private:
-  bool fail(What what, std::size_t position) {
+  bool fail(Wrong what, std::size_t position) {
     const std::string_view before = slice(text_, 0, position);
     error_.what = what;
     error_.line = 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
@@ -45,7 +45,7 @@ class Compiler {
   bool command(TextWords& words, const Word& first) {
     if (first.text == kRawBytesKey) return bytes(words, first);
     if (first.text == kCommandInfo<Script::kOpcode>.key) {
-      return fail(What::nested_script, first.position);
+      return fail(Wrong::nested_script, first.position);
     }
     Word last = first;
     for (Word word = words.next(); in_command(word); word = words.next()) last = word;
@@ -55,7 +55,7 @@ class Compiler {
     if (result.error) {
       result.error->position += first.position;
       error_.command = *result.error;
-      return fail(What::command, result.error->position);
+      return fail(Wrong::command, result.error->position);
     }
     append(first.position, std::span{encoded}.first(result.bytes));
     return true;
@@ -66,10 +66,10 @@ class Compiler {
 
   bool bytes(TextWords& words, const Word& first) {
     Word word = words.next();
-    if (!in_command(word)) return fail(What::bytes, first.position);
+    if (!in_command(word)) return fail(Wrong::bytes, first.position);
     for (; in_command(word); word = words.next()) {
       const std::optional<std::int32_t> number = parse_integer(word.text);
-      if (!number || *number < 0 || *number > 255) return fail(What::bytes, word.position);
+      if (!number || *number < 0 || *number > 255) return fail(Wrong::bytes, word.position);
       const auto byte = static_cast<std::uint8_t>(*number);
       append(first.position, std::span{&byte, 1});
     }
@@ -179,14 +179,14 @@ ScriptText disassemble(const Script& script) {
 }
 
 std::size_t format_error(const ScriptTextError& error, std::string_view text, std::span<char> out) {
-  if (error.what == What::command) return format_error(error.command, text, out);
+  if (error.what == Wrong::command) return format_error(error.command, text, out);
   TextWriter line{out};
   put_place(line, error, text);
   switch (error.what) {
-    case What::command: break;
-    case What::bytes: line.put("bytes are numbers, 0 to 255"); break;
-    case What::nested_script: line.put(kNestedScript); break;
-    case What::too_long: put_excess(line, error.excess); break;
+    case Wrong::command: break;
+    case Wrong::bytes: line.put("bytes are numbers, 0 to 255"); break;
+    case Wrong::nested_script: line.put(kNestedScript); break;
+    case Wrong::too_long: put_excess(line, error.excess); break;
   }
   return line.size();
 }

@@ -28,7 +28,7 @@ constexpr oi::StreamList kPackets = oi::list_of<oi::PacketId, oi::kMaxStreamPack
     oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
 constexpr std::chrono::milliseconds kLastWords{200};
 
-struct Options {
+struct BringupOptions {
   PortOptions port{};
   PinOptions pins{};
   std::string mode = "passive";
@@ -52,7 +52,7 @@ void end_stream(hal::ByteStream& stream, oi::Mode mode) {
   (void)stream.drain(kLastWords);
 }
 
-int conclude(const Options& options, const BringUpRecord& record,
+int conclude(const BringupOptions& options, const BringUpRecord& record,
              const hal::Result<hal::BringUpReport>& result, std::optional<int> signal) {
   if (result && options.json_file != "-") fmt::print("{}", summary(record, *result));
   std::optional<hal::Failure> wrong;
@@ -64,7 +64,7 @@ int conclude(const Options& options, const BringUpRecord& record,
   return kFailure;
 }
 
-int bring_up(const Options& options) {
+int bring_up(const BringupOptions& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the pin low
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
@@ -119,7 +119,7 @@ int bring_up(const Options& options) {
 }  // namespace
 
 void add_bringup(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BringupOptions>();
   CLI::App* command = app.add_subcommand(
       "bringup",
       "Find the robot at whatever rate and state it is in, and bring it to the wanted rate and "

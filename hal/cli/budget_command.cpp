@@ -15,12 +15,12 @@
 namespace cargobay::cli {
 namespace {
 
-struct Options {
+struct BudgetOptions {
   std::uint32_t baud = oi::kDefaultBaud;
   std::string packets = "35,19,20";
 };
 
-double milliseconds(std::chrono::nanoseconds duration) {
+double wire_ms(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
@@ -29,10 +29,10 @@ void print_line(std::string_view what, std::string_view value) {
 }
 
 std::string in_ms(std::chrono::nanoseconds duration) {
-  return fmt::format("{:.3f} ms", milliseconds(duration));
+  return fmt::format("{:.3f} ms", wire_ms(duration));
 }
 
-int budget(const Options& options) {
+int budget(const BudgetOptions& options) {
   const auto packets = read_packet_list(options.packets);
   if (!packets) {
     print_error(packets.failure().message);
@@ -70,7 +70,7 @@ int budget(const Options& options) {
 }  // namespace
 
 void add_budget(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BudgetOptions>();
   CLI::App* command = app.add_subcommand(
       "budget",
       "Say what a stream costs on the wire: bytes, time, whether it fits the robot's 15 ms tick,\n"

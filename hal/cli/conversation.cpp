@@ -15,13 +15,13 @@
 namespace cargobay::cli {
 namespace {
 
-using std::chrono::milliseconds;
 using Wait = hal::ByteStream::Wait;
 
-constexpr milliseconds kSlice{20};    // at most so long until a signal is noticed
-constexpr milliseconds kQuiet{40};    // longer than a tick: a paused stream is silent by then
-constexpr milliseconds kSettle{500};  // for a stream to end
-constexpr milliseconds kAnswer{400};  // beyond the time on the wire
+constexpr std::chrono::milliseconds kSlice{20};  // at most so long until a signal is noticed
+constexpr std::chrono::milliseconds kQuiet{
+    40};  // longer than a tick: a paused stream is silent by then
+constexpr std::chrono::milliseconds kSettle{500};  // for a stream to end
+constexpr std::chrono::milliseconds kAnswer{400};  // beyond the time on the wire
 constexpr std::chrono::seconds kSendTimeout{2};
 constexpr std::size_t kUartFifo = 32;  // bytes that the driver counts as sent and are not
 constexpr std::size_t kLeastText = 4;  // characters that are not damage by chance
@@ -50,7 +50,7 @@ bool Conversation::write(std::span<const std::uint8_t> bytes) {
     const hal::ByteStream::Transfer transfer = port_.write(bytes);
     bytes = bytes.subspan(transfer.count);
     if (transfer.error != 0 || port_.now() > limit) return false;
-    if (!bytes.empty()) sleep_for(milliseconds{1});
+    if (!bytes.empty()) sleep_for(std::chrono::milliseconds{1});
   }
   return true;
 }

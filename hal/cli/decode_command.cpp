@@ -21,7 +21,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-struct Options {
+struct DecodeOptions {
   std::string from = "guess";
   std::string packets;
   std::string binary;
@@ -36,7 +36,7 @@ Side guess(const Bytes& bytes) {
   return command ? Side::host : Side::robot;
 }
 
-hal::Result<Bytes> bytes_of(const CLI::App& command, const Options& options) {
+hal::Result<Bytes> bytes_of(const CLI::App& command, const DecodeOptions& options) {
   if (!options.binary.empty()) {
     if (!command.remaining().empty())
       return hal::Failure{"write the bytes, or name a file with --binary; not both"};
@@ -71,7 +71,7 @@ void print_line(const oi::Annotation& annotation) {
   } while (!bytes.empty());
 }
 
-int describe(const Options& options, const Bytes& bytes, Side side) {
+int describe(const DecodeOptions& options, const Bytes& bytes, Side side) {
   const auto tell = [&options](const oi::Annotation& annotation) {
     if (annotation.kind == oi::Annotation::Kind::command) {
       fmt::print("{:>{}}{}\n", options.text_only ? "" : "= ", options.text_only ? 0 : 28,
@@ -103,7 +103,7 @@ int describe(const Options& options, const Bytes& bytes, Side side) {
   return kFailure;
 }
 
-int decode(const CLI::App& command, const Options& options) {
+int decode(const CLI::App& command, const DecodeOptions& options) {
   const auto bytes = bytes_of(command, options);
   if (!bytes) {
     print_error(bytes.failure().message);
@@ -125,7 +125,7 @@ int decode(const CLI::App& command, const Options& options) {
 }  // namespace
 
 void add_decode(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DecodeOptions>();
   CLI::App* command = app.add_subcommand(
       "decode",
       "Say what each byte means: of commands to the robot, of the robot's stream, or of a reply.\n"

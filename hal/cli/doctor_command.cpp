@@ -16,7 +16,7 @@
 namespace cargobay::cli {
 namespace {
 
-struct Options {
+struct DoctorOptions {
   std::string port;
   int priority = rt::RealtimeRequest{}.priority;
   std::string json_file;
@@ -35,7 +35,7 @@ void print(const std::vector<hal::Finding>& findings) {
   }
 }
 
-int examine(const Options& options) {
+int run_doctor(const DoctorOptions& options) {
   const std::vector<hal::Finding> findings =
       cli::examine(options.port, rt::RealtimeRequest{.priority = options.priority});
   if (options.json_file != "-") print(findings);
@@ -51,7 +51,7 @@ int examine(const Options& options) {
 }  // namespace
 
 void add_doctor(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand(
       "doctor",
       "Look for what spoils real time or the link on this machine, and say what to do about it.\n"
@@ -62,7 +62,7 @@ void add_doctor(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command->add_option("--json", options->json_file,
                       "Write the findings to this file; - for standard output");
-  command->callback([options, &chosen] { chosen = [options] { return examine(*options); }; });
+  command->callback([options, &chosen] { chosen = [options] { return run_doctor(*options); }; });
 }
 
 }  // namespace cargobay::cli

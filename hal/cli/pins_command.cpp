@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kSlice{50};  // at most so long until a signal is noticed
 
-struct Options {
+struct PinsOptions {
   gpio::LineAddress watched{};
   bool active_low = false;
 };
@@ -46,7 +46,7 @@ void print(const gpio::ChipInfo& chip) {
 
 const char* word(gpio::Level level) { return level == gpio::Level::high ? "high" : "low"; }
 
-int watch(const Options& options) {
+int watch(const PinsOptions& options) {
   StopSignals signals;
   gpio::LineError error;
   const auto line = gpio::open_input(
@@ -70,7 +70,7 @@ int watch(const Options& options) {
   }
 }
 
-int pins(const Options& options) {
+int pins(const PinsOptions& options) {
   if (!options.watched.line.empty()) return watch(options);
   if (!options.watched.chip.empty()) {
     print_error("--chip needs --watch");
@@ -85,7 +85,7 @@ int pins(const Options& options) {
 }  // namespace
 
 void add_pins(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PinsOptions>();
   CLI::App* command =
       app.add_subcommand("pins",
                          "List the GPIO chips and their lines, or watch one line until Ctrl-C.\n"

@@ -23,7 +23,7 @@
 namespace cargobay::cli {
 namespace {
 
-struct Options {
+struct PlotOptions {
   std::string file;
   std::string output;
 };
@@ -54,7 +54,7 @@ std::string title(const hal::RecordingHeader& header) {
   return fmt::format("{}, {} UTC", header.note, std::string_view{text.data(), size});
 }
 
-int plot(Options options) {
+int plot(PlotOptions options) {
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
     return kFailure;
@@ -75,7 +75,7 @@ int plot(Options options) {
 }  // namespace
 
 void add_plot(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlotOptions>();
   CLI::App* command = app.add_subcommand(
       "plot",
       "Draw a recorded drive: set, estimated and commanded speed of both wheels, and the time\n"

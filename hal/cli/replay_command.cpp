@@ -20,7 +20,7 @@
 namespace cargobay::cli {
 namespace {
 
-struct Options {
+struct ReplayOptions {
   std::string file;
   std::string json_file;
   std::optional<std::string> remainder{};
@@ -57,7 +57,7 @@ nlohmann::json json(const hal::EstimateDifference& difference) {
 }
 
 // The results as a file where one is asked for, and as text where that is not standard output.
-int conclude(const Options& options, const nlohmann::json& results, const std::string& text) {
+int conclude(const ReplayOptions& options, const nlohmann::json& results, const std::string& text) {
   if (options.json_file != "-") fmt::print("{}\n", text);
   if (options.json_file.empty()) return kSuccess;
   const auto failure = write_file(options.json_file, results.dump(2) + "\n");
@@ -66,7 +66,7 @@ int conclude(const Options& options, const nlohmann::json& results, const std::s
   return kFailure;
 }
 
-int compare_loop(const Options& options, const hal::Recording& recording) {
+int compare_loop(const ReplayOptions& options, const hal::Recording& recording) {
   const auto result = hal::replay(recording);
   if (!result) {
     print_error(options.file + " " + result.failure().message);
@@ -84,7 +84,7 @@ int compare_loop(const Options& options, const hal::Recording& recording) {
   return kFailure;
 }
 
-int compare_estimate(const Options& options, const hal::Recording& recording) {
+int compare_estimate(const ReplayOptions& options, const hal::Recording& recording) {
   rt::WheelEstimator::Parameters parameters = recording.header().parameters.loop.estimator;
   if (options.remainder == "carried") parameters.remainder = rt::Remainder::carried;
   if (options.remainder == "lost") parameters.remainder = rt::Remainder::lost;
@@ -101,7 +101,7 @@ int compare_estimate(const Options& options, const hal::Recording& recording) {
                               name(difference.recorded_belief), name(difference.belief)));
 }
 
-int replay(const Options& options) {
+int replay(const ReplayOptions& options) {
   if (!options.json_file.empty()) {
     if (const auto failure = check_writable(options.json_file)) {
       print_error(failure->message);
@@ -120,7 +120,7 @@ int replay(const Options& options) {
 }  // namespace
 
 void add_replay(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand(
       "replay",
       "Run the loop again on a recorded drive: on the same bytes at the same times it must send\n"

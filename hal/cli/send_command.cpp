@@ -29,7 +29,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-struct Options {
+struct SendOptions {
   PortOptions connection{};
   double listen_s = 1.0;
   std::optional<double> duration_s{};
@@ -53,7 +53,7 @@ hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
 // One run of the command: a robot, and what it is told in order.
 class Sending {
  public:
-  Sending(hal::ByteStream& port, StopSignals& signals, const Options& options)
+  Sending(hal::ByteStream& port, StopSignals& signals, const SendOptions& options)
       : port_{port}, options_{options}, talk_{port, signals} {}
 
   // Returns the failure that ended it, after everything that has to follow one.
@@ -265,14 +265,14 @@ class Sending {
   }
 
   hal::ByteStream& port_;
-  const Options& options_;
+  const SendOptions& options_;
   Conversation talk_;
   std::uint32_t opened_at_ = port_.baud();
   Expectation robot_{oi::Mode::off, port_.baud()};
   bool begun_stream_ = false;
 };
 
-int send(const CLI::App& command, const Options& options) {
+int send(const CLI::App& command, const SendOptions& options) {
   StopSignals signals;
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
@@ -297,7 +297,7 @@ int send(const CLI::App& command, const Options& options) {
 }  // namespace
 
 void add_send(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SendOptions>();
   CLI::App* command = app.add_subcommand(
       "send",
       "Send Open Interface commands to a robot and print what it answers: sensor values, stored\n"

@@ -21,7 +21,7 @@
 namespace cargobay::cli {
 namespace {
 
-struct Options {
+struct SensorsOptions {
   PortOptions connection{};
   std::string packets = "6";
   bool as_json = false;
@@ -30,7 +30,7 @@ struct Options {
 
 constexpr rt::Duration kRefresh = std::chrono::milliseconds{200};
 
-void show(const Options& options, const std::vector<oi::PacketId>& packets,
+void show(const SensorsOptions& options, const std::vector<oi::PacketId>& packets,
           const oi::SensorValues& values) {
   if (options.as_json) {
     fmt::print("{}\n", json_line(packets, values));
@@ -41,7 +41,7 @@ void show(const Options& options, const std::vector<oi::PacketId>& packets,
 }
 
 // Frames as they come, until a signal. The table is redrawn at a rate that eyes can follow.
-int watch(const Options& options, const std::vector<oi::PacketId>& packets,
+int watch(const SensorsOptions& options, const std::vector<oi::PacketId>& packets,
           hal::SensorStream& stream, StopSignals& signals) {
   rt::TimePoint next_draw{};
   while (!signals.wait(rt::Duration::zero()).has_value()) {
@@ -62,7 +62,7 @@ int watch(const Options& options, const std::vector<oi::PacketId>& packets,
   return kSuccess;
 }
 
-int sensors(const Options& options) {
+int sensors(const SensorsOptions& options) {
   StopSignals signals;
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
@@ -90,7 +90,7 @@ int sensors(const Options& options) {
 }  // namespace
 
 void add_sensors(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SensorsOptions>();
   CLI::App* command = app.add_subcommand(
       "sensors",
       "Show the robot's sensors, named and with units: a live table on a terminal, else one "

@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t kMostRobots = 100;
 
-struct Options {
+struct ServeOptions {
   SimOptions sim{};
   std::string link;
   std::string control;
@@ -65,7 +65,7 @@ std::string numbered(const std::string& path, std::size_t index, std::size_t cou
 }
 
 // The earliest first; of one moment, as they were given.
-std::vector<PlannedFault> planned_faults(const Options& options) {
+std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
   std::vector<PlannedFault> faults;
   for (const std::string& text : options.faults) {
     PlannedFault fault = *parse_fault(text);  // checked: it parses
@@ -78,7 +78,7 @@ std::vector<PlannedFault> planned_faults(const Options& options) {
 }
 
 // Opens the robot's port and control socket; nothing runs yet.
-std::optional<hal::Failure> open(const Options& options, std::size_t index,
+std::optional<hal::Failure> open(const ServeOptions& options, std::size_t index,
                                  const hal::sim::World& world, Served& robot) {
   robot.trace = numbered(options.trace, index, options.count);
   hal::sim::ServerOptions server_options{.link = numbered(options.link, index, options.count),
@@ -153,7 +153,7 @@ int write_traces(const hal::sim::World& world, const std::vector<Served>& robots
   return result;
 }
 
-int run(const Options& options) {
+int run(const ServeOptions& options) {
   StopSignals signals;
   if (!oi::baud_code(options.boot_baud).has_value()) {
     return fail(fmt::format("the robot has no {} baud; choose 57600 or 19200", options.boot_baud));
@@ -203,7 +203,7 @@ std::string footer() {
   return text;
 }
 
-void add_places(CLI::App& command, Options& options) {
+void add_places(CLI::App& command, ServeOptions& options) {
   command.add_option("--link", options.link,
                      "Make this symbolic link to the pseudo-terminal, and print it instead");
   command.add_option("--control", options.control,
@@ -234,7 +234,7 @@ void add_places(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_sim(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ServeOptions>();
   CLI::App* command =
       app.add_subcommand("sim",
                          "Serve a virtual Create on a pseudo-terminal until Ctrl-C.\n"

@@ -14,6 +14,10 @@
 
 namespace cargobay::hal::sim {
 
+// How far the light of each of a home base's two buoys reaches.
+inline constexpr double kBuoyWideDeg = 40.0;    // to its own side
+inline constexpr double kBuoyOverlapDeg = 5.0;  // across the middle
+
 struct Point {
   double x_mm = 0.0;
   double y_mm = 0.0;

@@ -22,8 +22,6 @@ constexpr double kPointApartMm = 5.0;
 constexpr double kBeamMm = 2000.0;
 constexpr double kBeamHalfDeg = 10.0;
 constexpr double kBuoyMm = 700.0;  // more would hide the room
-constexpr double kBuoyWideDeg = 40.0;
-constexpr double kBuoyOverlapDeg = 5.0;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 // Widths, sizes and colours.

@@ -100,12 +100,7 @@ TEST(Replay, IsTheSameForSetpoints) {
   RecordingStream recorded{drive.line, drive.recorder};
   const auto cycle = std::make_unique<ControlCycle>(recorded, drive.header.parameters);
   drive.header.baud = drive.link.baud();
-  cycle->set_observer(
-      {.function =
-           [](void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-             static_cast<FlightRecorder*>(recorder)->state(state);
-           },
-       .context = &drive.recorder});
+  cycle->set_observer(drive.recorder.observer());
   int frame = 0;
   drive.line.damage = [&](std::span<std::uint8_t> bytes) {
     ++frame;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,15 @@ class DriveTest : public testing::Test {
   static constexpr Setup kNobody{.user = Setup::User::nobody};
 
   void SetUp() override { serve({}); }
+  // Whatever the test was about. A stop need not wait for a tick.
+  void TearDown() override {
+    std::optional<std::uint64_t> last_tick;
+    for (const hal::sim::DriveRecord& record : drives()) {
+      if (record.command == hal::sim::WheelSpeeds{}) continue;
+      EXPECT_NE(last_tick, record.tick) << "two drive commands in one tick";
+      last_tick = record.tick;
+    }
+  }
   // Replaces the robot by one of that kind. Its port is open to all users.
   void serve(const hal::sim::Parameters& parameters) {
     server_.reset();

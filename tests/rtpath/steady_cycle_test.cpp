@@ -100,10 +100,6 @@ class UncountedLink final : public ByteStream {
   sim::VirtualLink& link_;
 };
 
-void record(void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-  static_cast<FlightRecorder*>(recorder)->state(state);
-}
-
 Calls run_in_virtual_time(sim::Remainder remainder, std::int64_t frames, void (*also)() = nullptr) {
   sim::Device device{sim::Parameters{.remainder = remainder}};
   sim::VirtualLink virtual_link{device};
@@ -114,7 +110,7 @@ Calls run_in_virtual_time(sim::Remainder remainder, std::int64_t frames, void (*
   FlightRecorder recorder;
   RecordingStream recorded{link, recorder};
   const auto cycle = std::make_unique<ControlCycle>(recorded, ControlCycle::Parameters{});
-  cycle->set_observer({.function = &record, .context = &recorder});
+  cycle->set_observer(recorder.observer());
   link.cycle = cycle.get();
   Counted counted{.cycle = cycle.get(), .first = 500, .last = 500 + frames, .also = also};
   cycle->set_control({.function = &Counted::control, .context = &counted});
