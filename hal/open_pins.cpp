@@ -8,8 +8,8 @@ namespace {
 
 using gpio::Level;
 
-std::optional<Failure> open(const PinSetting& setting, Level released,
-                            std::unique_ptr<gpio::Output>& pin) {
+std::optional<Failure> open_pin(const PinSetting& setting, Level released,
+                                std::unique_ptr<gpio::Output>& pin) {
   if (!setting.wired()) return std::nullopt;
   gpio::LineError error;
   pin = gpio::open_output(setting.address,
@@ -22,7 +22,7 @@ std::optional<Failure> open(const PinSetting& setting, Level released,
   return Failure{gpio::explain(error), {error.error, std::generic_category()}};
 }
 
-std::optional<Failure> open(const PinSetting& setting, std::unique_ptr<gpio::Input>& pin) {
+std::optional<Failure> open_pin(const PinSetting& setting, std::unique_ptr<gpio::Input>& pin) {
   if (!setting.wired()) return std::nullopt;
   gpio::LineError error;
   pin = gpio::open_input(setting.address, {.polarity = setting.polarity, .bias = setting.bias},
@@ -35,10 +35,11 @@ std::optional<Failure> open(const PinSetting& setting, std::unique_ptr<gpio::Inp
 
 Result<OpenPins> open_pins(const PinSettings& settings) {
   OpenPins pins;
-  if (auto failure = open(settings.brc, Level::high, pins.brc)) return *failure;
-  if (auto failure = open(settings.power_toggle, Level::low, pins.power_toggle)) return *failure;
-  if (auto failure = open(settings.power_sense, pins.power_sense)) return *failure;
-  if (auto failure = open(settings.charging, pins.charging)) return *failure;
+  if (auto failure = open_pin(settings.brc, Level::high, pins.brc)) return *failure;
+  if (auto failure = open_pin(settings.power_toggle, Level::low, pins.power_toggle))
+    return *failure;
+  if (auto failure = open_pin(settings.power_sense, pins.power_sense)) return *failure;
+  if (auto failure = open_pin(settings.charging, pins.charging)) return *failure;
   return pins;
 }
 

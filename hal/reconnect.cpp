@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstPause{50};
 constexpr milliseconds kLongestPause{400};
-constexpr milliseconds kSlice{20};  // at most so long until a cancellation is noticed
+constexpr milliseconds kLook{20};  // at most so long until a cancellation is noticed
 
 class Attempts {
  public:
@@ -52,7 +52,7 @@ class Attempts {
     while (!over()) {
       const rt::Duration left = end - request_.surroundings.now();
       if (left <= rt::Duration::zero()) return;
-      sleep(std::min<rt::Duration>(left, kSlice));
+      sleep(std::min<rt::Duration>(left, kLook));
     }
   }
 

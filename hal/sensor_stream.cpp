@@ -13,13 +13,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kFrameTimeout{500};
+constexpr milliseconds kStreamTimeout{500};
 constexpr milliseconds kQuiet{40};  // longer than a tick: a paused stream is silent by then
 constexpr milliseconds kStartWait{100};
 constexpr milliseconds kAnswerMargin{100};
 
 template <typename Command>
-bool send(ByteStream& stream, const Command& command) {
+bool tell(ByteStream& stream, const Command& command) {
   const auto bytes = oi::encode(command);
   return bytes.has_value() && stream.write(*bytes).count == bytes->size();
 }
@@ -33,7 +33,7 @@ Failure no_answer(const ByteStream& stream) {
 bool settle(ByteStream& stream) {
   std::array<std::uint8_t, 256> bytes{};
   bool heard = false;
-  const rt::TimePoint limit = stream.now() + kFrameTimeout;
+  const rt::TimePoint limit = stream.now() + kStreamTimeout;
   while (stream.now() < limit && stream.wait(stream.now() + kQuiet) == ByteStream::Wait::ready) {
     heard = stream.read(bytes).count > 0 || heard;
   }
@@ -64,20 +64,20 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
     if (!query.packets.push_back(packet)) return Failure{"more than 255 packets; ask for fewer"};
     size += oi::packet(packet).size;
   }
-  (void)send(stream, oi::PauseResumeStream{oi::StreamState::pause});
+  (void)tell(stream, oi::PauseResumeStream{oi::StreamState::pause});
   const bool streamed = settle(stream);
   const rt::Duration timeout =
       oi::wire_time(size + packets.size() + 2, stream.baud()) + kAnswerMargin;
-  (void)send(stream, query);  // what was not sent shows as no answer
+  (void)tell(stream, query);  // what was not sent shows as no answer
   std::vector<std::uint8_t> answer = receive(stream, size, timeout);
   if (answer.empty()) {  // off hears nothing but Start
-    (void)send(stream, oi::Start{});
+    (void)tell(stream, oi::Start{});
     (void)stream.wait(stream.now() + kStartWait);
     (void)settle(stream);
-    (void)send(stream, query);
+    (void)tell(stream, query);
     answer = receive(stream, size, timeout);
   }
-  if (streamed) (void)send(stream, oi::PauseResumeStream{oi::StreamState::resume});
+  if (streamed) (void)tell(stream, oi::PauseResumeStream{oi::StreamState::resume});
   if (answer.size() != size) return no_answer(stream);
   oi::SensorValues values;
   std::span<const std::uint8_t> rest{answer};
@@ -104,21 +104,21 @@ Result<std::unique_ptr<SensorStream>> SensorStream::open(ByteStream& stream,
                    "; ask for fewer packets (--packets), or for one reading (--once)"};
   }
   std::unique_ptr<SensorStream> sensors{new SensorStream{stream}};
-  (void)send(stream, list);
+  (void)tell(stream, list);
   if (sensors->next()) return sensors;
-  (void)send(stream, oi::Start{});
+  (void)tell(stream, oi::Start{});
   (void)stream.wait(stream.now() + kStartWait);
-  (void)send(stream, list);
+  (void)tell(stream, list);
   if (!sensors->next()) return no_answer(stream);
   return sensors;
 }
 
 SensorStream::~SensorStream() {
-  (void)send(stream_, oi::PauseResumeStream{oi::StreamState::pause});
+  (void)tell(stream_, oi::PauseResumeStream{oi::StreamState::pause});
 }
 
 Result<oi::SensorValues> SensorStream::next() {
-  const rt::TimePoint limit = stream_.now() + kFrameTimeout;
+  const rt::TimePoint limit = stream_.now() + kStreamTimeout;
   for (;;) {
     std::array<std::uint8_t, 1> byte{};
     if (decoder_.next() == oi::StreamDecoder::Outcome::frame) break;

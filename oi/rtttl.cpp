@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "oi/lower.hpp"
 #include "oi/text_slice.hpp"
 
 namespace cargobay::oi {
@@ -15,7 +16,6 @@ constexpr int kMaxDivision = 64;  // a 1/64 note is the shortest
 
 constexpr bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 struct Defaults {
   int division = 4;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "oi/lower.hpp"
+
 namespace cargobay::oi {
 namespace {
 
@@ -9,8 +11,6 @@ constexpr std::string_view kRestName = "rest";
 constexpr int kSemitones = 12;
 constexpr std::array<std::string_view, kSemitones> kNames{"c",  "c#", "d",  "d#", "e",  "f",
                                                           "f#", "g",  "g#", "a",  "a#", "b"};
-
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 constexpr bool is_rest_name(std::string_view name) {
   return std::ranges::equal(name, kRestName, {}, lower);

@@ -141,7 +141,7 @@ void ControlSocket::stop() {
   if (thread_.joinable()) {
     stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
     const std::uint64_t one = 1;
-    (void)!write(wake_descriptor_, &one, sizeof one);  // a full counter wakes as well
+    (void)!::write(wake_descriptor_, &one, sizeof one);  // a full counter wakes as well
     thread_.join();
   }
   if (listener_ < 0) return;
