@@ -24,6 +24,18 @@ class Histogram {
     min_ = std::min(min_, value);
     max_ = std::max(max_, value);
   }
+  // The same for something that is due every `interval` and waits for its turn: while it took
+  // longer, others were due and had to wait too, and were not measured. They are recorded as the
+  // value less one interval, less two, and so on: without them a stall of a thousand intervals
+  // would count as one late one ("coordinated omission", G. Tene). At most kMostOmitted of them.
+  // `interval` is not 0.
+  static constexpr std::uint64_t kMostOmitted = 1'000'000;
+  void record_corrected(std::uint64_t value, std::uint64_t interval) noexcept CARGOBAY_NONBLOCKING {
+    record(value);
+    const std::uint64_t omitted =
+        value <= interval ? 0 : std::min((value - 1) / interval, kMostOmitted);
+    for (std::uint64_t i = 1; i <= omitted; ++i) record(value - i * interval);
+  }
   void merge(const Histogram& other) noexcept CARGOBAY_NONBLOCKING {
     for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
     count_ += other.count_;
@@ -35,6 +47,15 @@ class Histogram {
   // Exact. 0 where nothing was recorded.
   std::uint64_t min() const noexcept CARGOBAY_NONBLOCKING { return count_ == 0 ? 0 : min_; }
   std::uint64_t max() const noexcept CARGOBAY_NONBLOCKING { return max_; }
+
+  // Calls `see(value, count)` for each bucket that is not empty, in rising order: `value` is the
+  // bucket's last, never above max().
+  template <typename See>
+  void visit(See see) const {
+    for (std::size_t i = 0; i < kBuckets; ++i) {
+      if (counts_[i] != 0) see(std::min(last_value_of(i), max_), counts_[i]);
+    }
+  }
 
   // The smallest value that at least `percent` (0 to 100) of the recorded ones do not exceed,
   // rounded up to the end of its bucket but never above max(). 0 where nothing was recorded.

@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   cli::add_ports(app, chosen);
   cli::add_pins(app, chosen);
   cli::add_doctor(app, chosen);
+  cli::add_jitter(app, chosen);
   cli::add_sim(app, chosen);
   cli::add_sensors(app, chosen);
   cli::add_budget(app, chosen);

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "hal/cli/xml_text.hpp"
+
 namespace cargobay::cli {
 namespace {
 
@@ -193,21 +195,6 @@ std::string interval_panel(const std::vector<DriveSample>& samples, double top) 
   return panel.svg();
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string velocity_plot(const std::vector<DriveSample>& samples, const std::string& title,
@@ -223,7 +210,7 @@ std::string velocity_plot(const std::vector<DriveSample>& samples, const std::st
       "\n"
       R"(<text x="{2}" y="20" font-size="15">{3}</text>)"
       "\n",
-      kWidth, height, kLeft, escaped(title));
+      kWidth, height, kLeft, xml_text(title));
   if (!samples.empty()) {
     svg += wheel_panel("Left", &rt::WheelSpeeds::left_mm_s, samples, kTop, TimeAxis::unlabelled);
     svg += wheel_panel("Right", &rt::WheelSpeeds::right_mm_s, samples, right_top,

@@ -92,6 +92,9 @@ class Server {
   // The same for the device and its line: faults.
   void with_cable(const std::function<void(Cable&)>& change);
 
+  // When the robot's clock shows that. For what the robot calls: on_tick, on_drive.
+  rt::TimePoint monotonic(rt::Duration robot_time) const { return power_on_ + robot_time; }
+
   // The adapter is pulled out: the pseudo-terminal goes, and whoever has it open is hung up. The
   // robot stays. Plugged in again it is a new one, behind the same link.
   void unplug();
@@ -109,7 +112,6 @@ class Server {
   void take_from_host();
   void hand_to_host();
   void wake();
-  rt::TimePoint monotonic(rt::Duration robot_time) const { return power_on_ + robot_time; }
 
   ServerOptions options_;
   int wake_descriptor_;  // an eventfd: ends the thread's sleep

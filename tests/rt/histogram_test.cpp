@@ -65,6 +65,29 @@ TEST(Histogram, CountsRanksExactly) {
   }
 }
 
+// One of ten periods: nine more had to wait, each a period less.
+TEST(Histogram, CountsWhatWasOmitted) {
+  Histogram histogram;
+  histogram.record_corrected(100, 10);
+  EXPECT_EQ(histogram.count(), 10U);
+  EXPECT_EQ(histogram.min(), 10U);
+  EXPECT_EQ(histogram.max(), 100U);
+  EXPECT_EQ(histogram.percentile(50), 50U);
+  histogram.record_corrected(10, 10);
+  histogram.record_corrected(0, 10);
+  EXPECT_EQ(histogram.count(), 12U) << "what is in time keeps nothing waiting";
+}
+
+TEST(Histogram, ShowsItsBuckets) {
+  Histogram histogram;
+  for (const std::uint64_t value : {3U, 3U, 70U, 1000U}) histogram.record(value);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> seen;
+  histogram.visit(
+      [&seen](std::uint64_t value, std::uint64_t count) { seen.push_back({value, count}); });
+  const std::vector<std::pair<std::uint64_t, std::uint64_t>> wanted{{3, 2}, {70, 1}, {1000, 1}};
+  EXPECT_EQ(seen, wanted);
+}
+
 TEST(Histogram, IsWithinOnePartIn128) {
   std::mt19937_64 random{3};
   std::lognormal_distribution<double> durations{std::log(15e6), 2.0};

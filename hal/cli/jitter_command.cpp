@@ -1,0 +1,333 @@
+// `cargobay jitter`: how late this kernel, board and link are, beside what they could be at best.
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/connection.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/jitter_formats.hpp"
+#include "hal/cli/jitter_plot.hpp"
+#include "hal/cli/jitter_summary.hpp"
+#include "hal/cli/jitter_table.hpp"
+#include "hal/cli/open_for_use.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/signals.hpp"
+#include "hal/cli/virtual_create.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/jitter/run.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+namespace jitter = hal::jitter;
+
+struct JitterOptions {
+  PortOptions connection{};
+  std::vector<std::string> channels{jitter::kChannelNames.begin(), jitter::kChannelNames.end()};
+  double duration_s = 20.0;
+  std::size_t frames = 0;
+  double period_ms = 1.0;
+  int priority = 80;
+  std::optional<int> cpu{};
+  std::size_t warm_up = 50;
+  std::size_t hold_every = 0;
+  double hold_ms = 20.0;
+  bool load = false;
+  std::uint64_t bucket_us = 1;
+  std::string json_file;
+  std::string hgrm_prefix;
+  std::string cyclictest_file;
+  std::string plot_file;
+};
+
+constexpr double kSliceSeconds = 0.5;
+constexpr std::uint64_t kMostUs = 100'000;  // of cyclictest's histogram
+
+// stress-ng on all processors, until it is destroyed.
+class Load {
+ public:
+  Load() = default;
+  Load(const Load&) = delete;
+  Load& operator=(const Load&) = delete;
+  ~Load() {
+    if (child_ <= 0) return;
+    kill(child_, SIGTERM);
+    waitpid(child_, nullptr, 0);
+  }
+  std::optional<hal::Failure> start() {
+    std::string name = "stress-ng";
+    std::string all = "0";
+    std::string cpu = "--cpu";
+    std::string quiet = "--quiet";
+    std::array<char*, 5> arguments{name.data(), cpu.data(), all.data(), quiet.data(), nullptr};
+    const int error =
+        posix_spawnp(&child_, name.c_str(), nullptr, nullptr, arguments.data(), environ);
+    if (error == 0) return std::nullopt;
+    child_ = -1;
+    return hal::Failure{
+        "--load needs stress-ng, which is not there; install it: apt-get install "
+        "stress-ng"};
+  }
+
+ private:
+  pid_t child_ = -1;
+};
+
+bool wants(const JitterOptions& options, std::string_view channel) {
+  return std::ranges::find(options.channels, channel) != options.channels.end();
+}
+
+jitter::Settings settings(const JitterOptions& options) {
+  const double frames = kSliceSeconds * 1e3 / options.period_ms;
+  jitter::Settings settings{
+      .period = rt::Duration{std::llround(options.period_ms * 1e6)},
+      .priority = options.priority,
+      .cpu = options.cpu,
+      .warm_up = options.warm_up,
+      .slice_frames = std::max<std::size_t>(static_cast<std::size_t>(frames), 10)};
+  choose_processors(settings);
+  return settings;
+}
+
+std::size_t rounds(const JitterOptions& options, const jitter::Settings& of) {
+  if (options.frames > 0) return (options.frames + of.slice_frames - 1) / of.slice_frames;
+  const double slice_s =
+      static_cast<double>(of.slice_frames + of.warm_up) * options.period_ms / 1e3;
+  const double all = options.duration_s / slice_s / static_cast<double>(options.channels.size());
+  return std::max<std::size_t>(static_cast<std::size_t>(std::lround(all)), 1);
+}
+
+std::optional<hal::Failure> check(const JitterOptions& options) {
+  const std::vector<std::string> files{options.json_file, options.cyclictest_file,
+                                       options.plot_file};
+  for (const std::string& file : files) {
+    if (file.empty()) continue;
+    if (auto failure = check_writable(file)) return failure;
+  }
+  if (options.hgrm_prefix.empty()) return std::nullopt;
+  return check_writable(options.hgrm_prefix + "-" + options.channels.front() + ".hgrm");
+}
+
+std::optional<hal::Failure> save(const JitterSummary& summary, const JitterOptions& options) {
+  std::optional<hal::Failure> failure;
+  const auto write = [&failure](const std::string& file, const std::string& text) {
+    if (!file.empty() && !failure) failure = write_file(file, text);
+  };
+  write(options.json_file, json(summary));
+  write(options.cyclictest_file, cyclictest(summary, options.bucket_us, kMostUs));
+  if (!options.plot_file.empty()) {
+    write(
+        options.plot_file,
+        jitter_plot({summary}, fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
+                                           options.period_ms, options.load ? ", loaded" : "")));
+  }
+  if (options.hgrm_prefix.empty()) return failure;
+  for (const ChannelSummary& channel : summary.channels)
+    write(options.hgrm_prefix + "-" + channel.name + ".hgrm", hgrm(channel));
+  return failure;
+}
+
+// Measures on a thread of its own, so that this one can look at signals and tell how far it is.
+std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
+                                    std::optional<int>& signal) {
+  std::atomic<bool> stop{false};
+  std::atomic<bool> done{false};
+  std::atomic<double> share{0.0};
+  std::optional<hal::Failure> failure;
+  std::thread measuring{[&] {
+    failure = run.measure(stop, [&](double so_far) { share.store(so_far); });
+    done.store(true);
+  }};
+  const bool live = isatty(STDERR_FILENO) == 1;
+  while (!done.load()) {
+    const auto caught = signals.wait(std::chrono::milliseconds{100});
+    if (caught && !signal) signal = caught;
+    if (signal) stop.store(true);
+    if (live)
+      fmt::print(stderr, "\r\033[Kmeasuring, {:3.0f} % done; Ctrl-C ends it with what there is",
+                 100.0 * share.load());
+  }
+  if (live) fmt::print(stderr, "\r\033[K");
+  measuring.join();
+  return failure;
+}
+
+struct Robot {
+  std::unique_ptr<VirtualCreate> create{};
+  std::string link{};
+};
+
+hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& request) {
+  Robot robot;
+  if (!wants(options, "robot")) return robot;
+  const auto config = configuration(options.connection);
+  if (!config) return config.failure();
+  std::string port = config->port;
+  robot.link = fmt::format("{} at {} baud", port, *config->baud);
+  if (port.empty()) {
+    auto create = VirtualCreate::start({}, 57600, options.priority + 5);
+    if (!create) return create.failure();
+    robot.create = std::move(*create);
+    port = robot.create->server().path();
+    request.server = &robot.create->server();
+    robot.link = fmt::format("virtual Create on {} at 57600 baud, frames every 15 ms", port);
+  }
+  auto stream = open_for_use(port, robot.create ? 57600 : *config->baud);
+  if (!stream) return stream.failure();
+  request.robot = std::move(*stream);
+  return robot;
+}
+
+int run_jitter(const JitterOptions& options) {
+  StopSignals signals{SIGTSTP};
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  if (const auto failure = check(options)) return fail(*failure);
+  jitter::RunRequest request{.channels = options.channels, .settings = settings(options)};
+  request.rounds = rounds(options, request.settings);
+  request.held = {.every = options.hold_every,
+                  .by = rt::Duration{std::llround(options.hold_ms * 1e6)}};
+  Load load;
+  if (options.load) {
+    if (const auto failure = load.start()) return fail(*failure);
+  }
+  auto robot = find_robot(options, request);  // outlives the run
+  if (!robot) return fail(robot.failure());
+  auto run = jitter::Run::prepare(std::move(request));
+  if (!run) return fail(run.failure());
+
+  const jitter::Usage before = jitter::look_at_usage();
+  const rt::TimePoint begin = rt::Clock::now();
+  std::optional<int> signal;
+  const auto failure = measure(**run, signals, signal);
+  const double seconds = rt::seconds(rt::Clock::now() - begin);
+  const jitter::Usage used = jitter::look_at_usage() - before;
+
+  JitterSummary summary = summarise(**run);
+  summary.link = robot->link;
+  summary.seconds = seconds;
+  summary.load = options.load ? "stress-ng --cpu 0" : "";
+  summary.conditions = jitter::look_at_conditions();
+  summary.usage = used;
+  if (options.json_file != "-") fmt::print("{}", table(summary, bars_of_locale()));
+  const auto unsaved = save(summary, options);
+  if (failure) return fail(*failure);
+  if (unsaved) return fail(*unsaved);
+  return signal ? kSignalled + *signal : kSuccess;
+}
+
+hal::Result<JitterSummary> load_summary(const std::string& path) {
+  std::ifstream file{path, std::ios::binary};
+  if (!file) return hal::Failure{"cannot read " + path + "; is it there, and are you allowed to?"};
+  return read_jitter({std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}},
+                     path);
+}
+
+int run_compare(const std::vector<std::string>& files, const std::string& plot_file) {
+  std::vector<JitterSummary> all;
+  for (const std::string& file : files) {
+    auto summary = load_summary(file);
+    if (!summary) {
+      print_error(summary.failure().message);
+      return kFailure;
+    }
+    all.push_back(std::move(*summary));
+  }
+  fmt::print("{}", comparison(all));
+  if (plot_file.empty()) return kSuccess;
+  if (const auto failure = write_file(plot_file, jitter_plot(all, "Timing jitter, compared"))) {
+    print_error(failure->message);
+    return kFailure;
+  }
+  return kSuccess;
+}
+
+void add_compare(CLI::App& jitter, Action& chosen) {
+  CLI::App* command =
+      jitter.add_subcommand("compare",
+                            "Put results side by side, each against the first, with confidence.\n"
+                            "Ratios whose intervals do not hold 1 differ by more than chance.");
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto plot = std::make_shared<std::string>();
+  command->add_option("FILE", *files, "What --json wrote")->required()->expected(2, 16);
+  command->add_option("--plot", *plot, "Draw all of them into this SVG file");
+  command->callback(
+      [files, plot, &chosen] { chosen = [files, plot] { return run_compare(*files, *plot); }; });
+}
+
+}  // namespace
+
+void add_jitter(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<JitterOptions>();
+  CLI::App* command = app.add_subcommand(
+      "jitter",
+      "Measure the timing of the loop on this machine, beside what the same kernel does at its "
+      "best.\n"
+      "Channels, in turn, a slice each, so that the machine's moods meet them all:\n"
+      "  robot  the loop on a robot: --port, or a virtual Create at its 15 ms\n"
+      "  loop   the same loop on frames that come every --period, over a pseudo-terminal\n"
+      "  echo   a bare poll, read and write in its place: the least that any program must do\n"
+      "  again  echo once more; what the two differ by is the noise\n"
+      "  pipe   echo through pipes: what the terminal layer costs\n"
+      "  sleep  a sleep until an absolute time, as cyclictest measures it\n"
+      "Percentiles count what a late frame kept waiting (corrected for coordinated omission).");
+  command->require_subcommand(0, 1);
+  add_port_options(*command, options->connection);
+  command->add_option("--channels", options->channels, "Which of them, with commas between")
+      ->delimiter(',')
+      ->check(CLI::IsMember(
+          std::vector<std::string>{jitter::kChannelNames.begin(), jitter::kChannelNames.end()}));
+  command->add_option("--duration", options->duration_s, "Seconds for all channels together")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
+  command
+      ->add_option("--frames", options->frames, "Instead: so many for each channel but the robot")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}));
+  command->add_option("--period", options->period_ms, "Milliseconds from frame to frame")
+      ->check(CLI::Range(1.0, 15.0))
+      ->capture_default_str();
+  command->add_option("--priority", options->priority, "SCHED_FIFO priority of what is measured")
+      ->check(CLI::Range(2, 93))
+      ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "Run what is measured on this CPU only");
+  command->add_option("--warm-up", options->warm_up, "Frames of each slice that are not counted")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{10'000}))
+      ->capture_default_str();
+  command->add_flag("--load", options->load, "Load all CPUs with stress-ng meanwhile");
+  command->add_option("--hold-every", options->hold_every,
+                      "Hold back each so manieth frame of loop and echo, to see it in the result");
+  command->add_option("--hold", options->hold_ms, "Milliseconds that such a frame is held back")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  command->add_option("--json", options->json_file,
+                      "Write everything to this file; - for standard output");
+  command->add_option("--hgrm", options->hgrm_prefix,
+                      "Write HdrHistogram percentiles to PREFIX-<channel>.hgrm, microseconds");
+  command->add_option("--cyclictest", options->cyclictest_file,
+                      "Write a histogram as cyclictest -h does, a column a channel");
+  command->add_option("--bucket", options->bucket_us, "Microseconds to a line of that histogram")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--plot", options->plot_file, "Draw percentile curves and histograms, SVG");
+  add_compare(*command, chosen);
+  command->callback([options, command, &chosen] {
+    if (command->get_subcommands().empty()) chosen = [options] { return run_jitter(*options); };
+  });
+}
+
+}  // namespace cargobay::cli

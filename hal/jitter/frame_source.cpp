@@ -1,0 +1,177 @@
+#include "hal/jitter/frame_source.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+
+#include "hal/frame_lists.hpp"
+#include "oi/command_parser.hpp"
+#include "oi/commands.hpp"
+#include "oi/frame.hpp"
+#include "oi/sensors.hpp"
+
+namespace cargobay::hal::jitter {
+namespace {
+
+using FrameBytes = std::array<std::uint8_t, kFrameBytes>;
+
+FrameBytes frame_of(FrameList list) {
+  oi::SensorValues values;
+  for (std::uint8_t id = oi::kFirstSinglePacket; id <= oi::kLastPacket; ++id)
+    values.set(oi::PacketId{id}, 0);
+  values.set(oi::PacketId::oi_mode, static_cast<std::int32_t>(oi::Mode::safe));
+  values.set(oi::PacketId::voltage, 16'000);
+  values.set(oi::PacketId::battery_charge, 2'600);
+  values.set(oi::PacketId::battery_capacity, 2'700);
+  FrameBytes bytes{};
+  (void)oi::encode_frame(packets(list), values, oi::Checksum::including_header, bytes);  // fits
+  return bytes;
+}
+
+timespec as_timespec(rt::TimePoint time) {
+  const std::int64_t ns = rt::nanoseconds(time);
+  return {.tv_sec = static_cast<time_t>(ns / 1'000'000'000),
+          .tv_nsec = static_cast<long>(ns % 1'000'000'000)};
+}
+
+void sleep_until(rt::TimePoint time) {
+  const timespec until = as_timespec(time);
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
+  }
+}
+
+class Source {
+ public:
+  Source(const Line& line, const Settings& settings, const HeldFrame& held, Stamps& stamps,
+         Recorder& recorder)
+      : line_{line}, settings_{settings}, held_{held}, stamps_{stamps}, recorder_{recorder} {}
+
+  void run(const std::atomic<bool>& stop) {
+    const std::size_t frames = settings_.warm_up + settings_.slice_frames;
+    rt::TimePoint due = rt::Clock::now() + settings_.period;
+    for (std::size_t frame = 0; frame < frames && !stop.load(std::memory_order_relaxed); ++frame) {
+      sleep_until(due);
+      if (arrived_ns_ != 0) book();
+      send(frame);
+      // A source that was held up itself skips ticks; like a robot it keeps its phase.
+      do {
+        due += settings_.period;
+      } while (due < rt::Clock::now());
+      look_for_command(due);
+    }
+    if (arrived_ns_ != 0) book();
+    if (waiting_) recorder_.miss();  // the last: its wait is not known
+  }
+
+ private:
+  void send(std::size_t frame) {
+    if (!waiting_) drop_stale_answers();
+    // Looked at before the bytes are handed over: the measured thread may run before write()
+    // returns.
+    const rt::TimePoint complete = rt::Clock::now();
+    const bool held = held_.every != 0 && (frame + 1) % held_.every == 0;
+    if (held) sleep_until(complete + held_.by);
+    const FrameBytes& bytes = frames_[static_cast<std::size_t>(list_)];
+    (void)!::write(line_.to_measured, bytes.data(), bytes.size());  // a queue of 4 KiB takes it
+    if (waiting_) {
+      ++now_.missed;
+      return;
+    }
+    now_ = {};
+    now_.complete_ns = rt::nanoseconds(complete);
+    waiting_ = true;
+  }
+
+  // Until the command is here, or `deadline`.
+  void look_for_command(rt::TimePoint deadline) {
+    while (waiting_) {
+      const rt::Duration left = deadline - rt::Clock::now();
+      if (left <= rt::Duration::zero()) return;
+      const timespec timeout{.tv_sec = static_cast<time_t>(left.count() / 1'000'000'000),
+                             .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
+      pollfd source{.fd = line_.from_measured, .events = POLLIN, .revents = 0};
+      if (ppoll(&source, 1, &timeout, nullptr) <= 0) return;
+      std::array<std::uint8_t, 256> bytes{};
+      const ssize_t count = ::read(line_.from_measured, bytes.data(), bytes.size());
+      if (count <= 0) return;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) hear(bytes[i]);
+    }
+  }
+
+  // Behind a frame that was answered late the next was answered too, at once.
+  void drop_stale_answers() {
+    std::array<std::uint8_t, 256> bytes{};
+    for (;;) {
+      const ssize_t count = ::read(line_.from_measured, bytes.data(), bytes.size());
+      if (count <= 0) return;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) hear(bytes[i]);
+    }
+  }
+
+  void hear(std::uint8_t byte) {
+    if (parser_.push(byte) != oi::CommandParser::Outcome::command) return;
+    const std::uint8_t opcode = parser_.info().opcode;
+    if (opcode == oi::DriveDirect::kOpcode && waiting_) {
+      arrived_ns_ = rt::nanoseconds(rt::Clock::now());
+      waiting_ = false;
+    }
+    if (opcode == oi::Stream::kOpcode) list_ = list_asked_for(parser_.bytes().subspan(2));
+  }
+  static FrameList list_asked_for(std::span<const std::uint8_t> ids) {
+    for (const FrameList list : {FrameList::hazards, FrameList::battery}) {
+      const oi::StreamList& wanted = packets(list);
+      const bool same = std::equal(ids.begin(), ids.end(), wanted.begin(), wanted.end(),
+                                   [](std::uint8_t id, oi::PacketId packet) {
+                                     return id == static_cast<std::uint8_t>(packet);
+                                   });
+      if (same) return list;
+    }
+    return FrameList::reading;
+  }
+
+  // By now the thread that wrote the command has stamped it: it goes before this one. On another
+  // processor it may be a moment later.
+  void book() {
+    const std::uint64_t answers = answers_ + 1;
+    for (int i = 0; stamps_.answers.load(std::memory_order_acquire) < answers && i < 1'000'000;
+         ++i) {
+    }
+    answers_ = stamps_.answers.load(std::memory_order_acquire);
+    if (answers_ == answers) {
+      now_.set(Stage::woken, stamps_.woken_ns.load(std::memory_order_relaxed));
+      now_.set(Stage::decided, stamps_.decided_ns.load(std::memory_order_relaxed));
+      now_.set(Stage::written, stamps_.written_ns.load(std::memory_order_relaxed));
+    } else {
+      now_.set(Stage::written, arrived_ns_);  // the stamps are of a later answer already
+    }
+    now_.set(Stage::arrived, arrived_ns_);
+    recorder_.take(now_);
+    arrived_ns_ = 0;
+  }
+
+  Line line_;
+  const Settings& settings_;
+  HeldFrame held_;
+  Stamps& stamps_;
+  Recorder& recorder_;
+  std::array<FrameBytes, 3> frames_{frame_of(FrameList::reading), frame_of(FrameList::hazards),
+                                    frame_of(FrameList::battery)};
+  FrameList list_ = FrameList::reading;
+  oi::CommandParser parser_{};
+  Instants now_{};
+  bool waiting_ = false;
+  std::int64_t arrived_ns_ = 0;
+  std::uint64_t answers_ = 0;
+};
+
+}  // namespace
+
+void send_frames(const Line& line, const Settings& settings, const HeldFrame& held, Stamps& stamps,
+                 Recorder& recorder, const std::atomic<bool>& stop) {
+  Source{line, settings, held, stamps, recorder}.run(stop);
+}
+
+}  // namespace cargobay::hal::jitter

@@ -1,0 +1,152 @@
+#include "hal/jitter/robot_channel.hpp"
+
+#include "hal/bring_up.hpp"
+#include "hal/control_cycle.hpp"
+#include "hal/flight_recorder.hpp"
+#include "hal/jitter/stamped_stream.hpp"
+#include "hal/recording_stream.hpp"
+#include "oi/limits.hpp"
+#include "oi/stream_budget.hpp"
+#include "rt/unchecked.hpp"
+
+namespace cargobay::hal::jitter {
+namespace {
+
+// What the virtual Create tells, from its own thread.
+struct Wire {
+  std::atomic<std::int64_t> complete_ns{0};  // of the newest frame
+  std::atomic<std::int64_t> arrived_ns{0};   // of the newest command
+};
+
+// Books each frame when the next is here: by then its command has arrived, or never will.
+class Books {
+ public:
+  Books(Recorder& recorder, Stamps& stamps, const Wire* wire, std::size_t frames)
+      : recorder_{recorder}, stamps_{stamps}, wire_{wire}, frames_left_{frames} {}
+
+  ControlCycle* cycle = nullptr;
+  const std::atomic<bool>* stop = nullptr;
+
+  static rt::WheelSpeeds decide(void* context, const CycleState& /*state*/,
+                                double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<Books*>(context)->next();
+    return {};
+  }
+
+ private:
+  void next() noexcept CARGOBAY_NONBLOCKING {
+    const std::int64_t now =
+        rt::unchecked([]() noexcept { return rt::nanoseconds(rt::Clock::now()); });
+    if (frame_.complete_ns != 0) book();
+    const std::int64_t woken = stamps_.woken_ns.load(std::memory_order_relaxed);
+    frame_ = {.complete_ns = woken};
+    if (wire_ != nullptr) {
+      frame_.complete_ns = wire_->complete_ns.load(std::memory_order_relaxed);
+      // The next tick has begun: its frame cannot be here.
+      if (frame_.complete_ns > woken) frame_.complete_ns -= oi::kTick.count();
+      frame_.set(Stage::woken, woken);
+    }
+    frame_.set(Stage::decided, now);
+    if (frames_left_ == 0 || stop->load(std::memory_order_relaxed)) return cycle->request_stop();
+    --frames_left_;
+  }
+  void book() noexcept CARGOBAY_NONBLOCKING {
+    frame_.set(Stage::written, stamps_.written_ns.load(std::memory_order_relaxed));
+    if (wire_ != nullptr) {
+      const std::int64_t arrived = wire_->arrived_ns.load(std::memory_order_relaxed);
+      if (arrived > frame_.complete_ns) frame_.set(Stage::arrived, arrived);
+    }
+    recorder_.take(frame_);
+  }
+
+  Recorder& recorder_;
+  Stamps& stamps_;
+  const Wire* wire_;
+  std::size_t frames_left_;
+  Instants frame_{};
+};
+
+class RobotChannel final : public Channel {
+ public:
+  RobotChannel(std::unique_ptr<ByteStream> stream, sim::Server* server, const Settings& settings)
+      : Channel{"robot"}, settings_{settings}, stream_{std::move(stream)}, server_{server} {
+    measured_.period = oi::kTick;
+    if (server_ == nullptr) return;
+    const rt::Duration frame = oi::wire_time(kFrameBytes, stream_->baud());
+    server_->with_device([this, frame](sim::Device& device) {
+      device.on_tick = [this, frame](const sim::Device& robot) {
+        wire_.complete_ns.store(rt::nanoseconds(server_->monotonic(robot.now()) + frame),
+                                std::memory_order_relaxed);
+      };
+      device.on_drive = [this](const sim::DriveRecord& command) {
+        wire_.arrived_ns.store(rt::nanoseconds(server_->monotonic(command.time)),
+                               std::memory_order_relaxed);
+      };
+    });
+  }
+  ~RobotChannel() override {
+    (void)stream_->set_wake_threshold(1);  // leave() reads single bytes
+    (void)leave(*stream_);                 // it was told to stand still all the while
+    if (server_ == nullptr) return;
+    server_->with_device([](sim::Device& device) {
+      device.on_tick = nullptr;
+      device.on_drive = nullptr;
+    });
+  }
+  RobotChannel(const RobotChannel&) = delete;
+  RobotChannel& operator=(const RobotChannel&) = delete;
+
+  std::optional<Failure> bring_up_robot() {
+    const auto report = bring_up(*stream_, {.packets = kReadingList});
+    if (!report) return report.failure();
+    if (const std::error_code error = stream_->set_wake_threshold(kFrameBytes); error)
+      return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
+    return std::nullopt;
+  }
+
+  std::optional<Failure> run_slice(const std::atomic<bool>& stop) override {
+    // What it sent while others were measured is of no interest.
+    stream_->discard_input();
+    Recorder recorder{measured_, settings_};
+    Stamps stamps;
+    RecordingStream recorded{*stream_, recorder_};
+    StampedStream stamped{recorded, stamps, stream_->baud()};
+    const auto cycle = std::make_unique<ControlCycle>(stamped, ControlCycle::Parameters{});
+    Books books{recorder, stamps, server_ != nullptr ? &wire_ : nullptr,
+                settings_.warm_up + settings_.slice_frames};
+    books.cycle = cycle.get();
+    books.stop = &stop;
+    cycle->set_control({.function = &Books::decide, .context = &books});
+    cycle->set_observer(recorder_.observer());
+    CycleEnd end = CycleEnd::asked;
+    rt::RealtimeThread thread;
+    grant_ = thread.start({.priority = settings_.priority, .cpu = settings_.cpu},
+                          [&] { end = cycle->run(); });
+    if (!thread.running())
+      return Failure{"cannot start the control thread: " + rt::explain(grant_.refusals.back())};
+    thread.join();
+    measured_.missed += cycle->frames().bad + cycle->frames().lost;
+    if (end != CycleEnd::asked)
+      return Failure{
+          "the robot left the loop in the middle of the measurement; see: cargobay drive"};
+    return std::nullopt;
+  }
+
+ private:
+  Settings settings_;
+  std::unique_ptr<ByteStream> stream_;
+  sim::Server* server_;
+  Wire wire_{};
+  FlightRecorder recorder_{FlightRecorder::kDefaultBytes};
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
+                                                    sim::Server* server, const Settings& settings) {
+  auto channel = std::make_unique<RobotChannel>(std::move(stream), server, settings);
+  if (const auto failure = channel->bring_up_robot()) return *failure;
+  return std::unique_ptr<Channel>{std::move(channel)};
+}
+
+}  // namespace cargobay::hal::jitter

@@ -1,0 +1,17 @@
+// The control cycle on a robot: a real one at a port, whose wheels are told to stand still, or a
+// virtual Create, which also tells when a frame had come over the wire and when a command had.
+#pragma once
+
+#include "hal/byte_stream.hpp"
+#include "hal/jitter/channel.hpp"
+#include "hal/sim/server.hpp"
+
+namespace cargobay::hal::jitter {
+
+// Brings the robot up, as hal/bring_up.hpp does; when the channel is destroyed it is left in
+// Passive. `server`: the virtual Create at the stream's other end, which outlives the channel; null
+// for a robot. Then frames are complete when they wake the loop.
+Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
+                                                    sim::Server* server, const Settings& settings);
+
+}  // namespace cargobay::hal::jitter

@@ -1,0 +1,11 @@
+// How late the kernel wakes a thread that sleeps until an absolute time: what cyclictest measures,
+// in the way it does (rt-tests, src/cyclictest: clock_nanosleep, TIMER_ABSTIME, CLOCK_MONOTONIC).
+#pragma once
+
+#include "hal/jitter/channel.hpp"
+
+namespace cargobay::hal::jitter {
+
+std::unique_ptr<Channel> make_sleep_channel(const Settings& settings);
+
+}  // namespace cargobay::hal::jitter

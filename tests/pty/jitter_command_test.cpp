@@ -1,0 +1,195 @@
+// `cargobay jitter`: what it measures is what was, however it ends, and its files are what they
+// say.
+#include <unistd.h>
+
+#include <csignal>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/pty/drive_fixture.hpp"
+
+namespace cargobay::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+// With whatever else is to be said; the result as JSON.
+json measured(std::vector<std::string> more) {
+  std::vector<std::string> arguments{"jitter", "--json", "-"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  Command command{std::move(arguments)};
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  return json::parse(command.out());
+}
+
+std::uint64_t counted_from(const json& histogram, std::uint64_t least_ns) {
+  std::uint64_t count = 0;
+  for (const json& bucket : histogram) {
+    if (bucket.at(0).get<std::uint64_t>() >= least_ns) count += bucket.at(1).get<std::uint64_t>();
+  }
+  return count;
+}
+
+class JitterHoldTest : public testing::TestWithParam<const char*> {};
+
+// Each tenth of two slices of 33 frames is 25 ms late, and so is one that would have waited behind
+// it, by 15 ms less.
+TEST_P(JitterHoldTest, ShowsWhatWasHeldBack) {
+  const json result = measured({"--channels", GetParam(), "--period", "15", "--frames", "66",
+                                "--warm-up", "0", "--hold-every", "10", "--hold", "25"});
+  const json& channel = result.at("channels").at(0);
+  EXPECT_EQ(channel.at("name"), GetParam());
+  const json& raw = channel.at("uncorrected_histogram_ns");
+  const json& corrected = channel.at("histogram_ns");
+  EXPECT_EQ(counted_from(raw, 25'000'000), 6U);
+  EXPECT_EQ(counted_from(corrected, 25'000'000), 6U);
+  EXPECT_GE(channel.at("latency_ns").at("max"), 25'000'000U);
+  // The loop lets the frame behind a late one go by, for the tick has its command: that is late
+  // too.
+  const std::uint64_t late = counted_from(raw, 10'000'000);
+  EXPECT_EQ(late, std::string_view{GetParam()} == "loop" ? 12U : 6U);
+  EXPECT_EQ(counted_from(corrected, 10'000'000), late + 6U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, JitterHoldTest, testing::Values("echo", "loop"),
+                         [](const auto& tested) { return std::string{tested.param}; });
+
+TEST(JitterCommand, MeasuresEveryChannelInTurn) {
+  const json result = measured({"--frames", "600"});
+  std::vector<std::string> names;
+  for (const json& channel : result.at("channels")) {
+    names.push_back(channel.at("name"));
+    EXPECT_GT(channel.at("frames"), 0U) << names.back();
+    EXPECT_GE(channel.at("slices_p50_p99_ns").size(), 2U) << names.back();
+    EXPECT_LE(channel.at("latency_ns").at("p50"), channel.at("latency_ns").at("p99"));
+    EXPECT_EQ(channel.at("latency_ns").at("count"), counted_from(channel.at("histogram_ns"), 0));
+  }
+  EXPECT_THAT(names, testing::ElementsAre("robot", "loop", "echo", "again", "pipe", "sleep"));
+  EXPECT_EQ(result.at("ratios").size(), 3U);
+  // A frame wakes the loop before it is decided on, and that is before the command is written.
+  const json& loop = result.at("channels").at(1).at("stages_ns");
+  EXPECT_LE(loop.at("woken").at("p50"), loop.at("decided").at("p50"));
+  EXPECT_LE(loop.at("decided").at("p50"), loop.at("written").at("p50"));
+  // On the wire a command of five bytes takes 0.87 ms.
+  const json& robot = result.at("channels").at(0).at("stages_ns");
+  EXPECT_GE(robot.at("arrived").at("p50"), robot.at("written").at("p50").get<int>() + 800'000);
+}
+
+TEST(JitterCommand, MeasuresARobotAtAPortAndLeavesItStanding) {
+  auto server = hal::sim::Server::open({}, {.priority = 70});
+  ASSERT_TRUE(server);
+  ASSERT_FALSE((*server)->start());
+  const json result =
+      measured({"--channels", "robot", "--duration", "1", "--port", (*server)->path()});
+  EXPECT_GT(result.at("channels").at(0).at("frames"), 20U);
+  EXPECT_FALSE(result.at("channels").at(0).at("stages_ns").contains("arrived"));
+  const hal::sim::Snapshot robot = (*server)->snapshot();
+  EXPECT_EQ(robot.mode, oi::Mode::passive);
+  EXPECT_EQ(robot.commanded, hal::sim::WheelSpeeds{});
+}
+
+TEST(JitterCommand, TellsWhatItHasOnControlC) {
+  Command command{{"jitter", "--duration", "600", "--channels", "echo,sleep"}};
+  usleep(1'500'000);  // into the second round: there is nothing to wait for
+  command.send(SIGINT);
+  EXPECT_EQ(command.exit_code(), 128 + SIGINT);
+  EXPECT_THAT(command.out(),
+              AllOf(StartsWith("Timing jitter, "), HasSubstr("\necho "), HasSubstr("\nsleep ")));
+}
+
+TEST(JitterCommand, SaysInItsHeadlineThatItHasNoRights) {
+  Command command{{"jitter", "--channels", "pipe", "--duration", "1"},
+                  {.user = Command::Setup::User::nobody}};
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  EXPECT_THAT(command.out(), HasSubstr("WITHOUT real-time rights"));
+}
+
+TEST(JitterCommand, WritesTheFormatsOfOthers) {
+  const TemporaryFolder folder;
+  Command command{{"jitter", "--channels", "echo,pipe", "--frames", "500", "--hgrm",
+                   folder.path("run"), "--cyclictest", folder.path("hist"), "--plot",
+                   folder.path("run.svg"), "--json", folder.path("run.json")}};
+  ASSERT_EQ(command.exit_code(), 0) << command.err();
+
+  const json channel = json::parse(contents(folder.path("run.json"))).at("channels").at(0);
+  const std::string hgrm = contents(folder.path("run-echo.hgrm"));
+  EXPECT_THAT(hgrm, StartsWith("       Value     Percentile TotalCount 1/(1-Percentile)\n\n"));
+  EXPECT_THAT(hgrm, HasSubstr("1.000000000000 "));
+  const std::size_t total = hgrm.find("Total count    = ");
+  ASSERT_NE(total, std::string::npos);
+  EXPECT_EQ(std::stoull(hgrm.substr(total + 17)), channel.at("latency_ns").at("count"));
+
+  // A line a bucket: its microseconds and a count for each channel. Together they are all frames.
+  std::istringstream hist{contents(folder.path("hist"))};
+  std::uint64_t echo = 0;
+  for (std::string line; std::getline(hist, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream figures{line};
+    std::uint64_t bucket = 0;
+    std::uint64_t first = 0;
+    ASSERT_TRUE(figures >> bucket >> first) << line;
+    echo += first;
+  }
+  EXPECT_EQ(echo, channel.at("uncorrected_ns").at("count"));
+
+  const std::string svg = contents(folder.path("run.svg"));
+  EXPECT_THAT(svg, AllOf(StartsWith("<svg "), HasSubstr(">echo<"), HasSubstr(">pipe<")));
+}
+
+TEST(JitterCommand, ComparesResults) {
+  const TemporaryFolder folder;
+  for (const char* file : {"a.json", "b.json"}) {
+    Command command{
+        {"jitter", "--channels", "pipe", "--frames", "1500", "--json", folder.path(file)}};
+    ASSERT_EQ(command.exit_code(), 0) << command.err();
+  }
+  Command command{{"jitter", "compare", folder.path("a.json"), folder.path("b.json"), "--plot",
+                   folder.path("both.svg")}};
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  EXPECT_THAT(command.out(), AllOf(HasSubstr("b.json"), HasSubstr("p50 x "), HasSubstr("p99 x ")));
+  EXPECT_THAT(contents(folder.path("both.svg")), HasSubstr("a.json"));
+}
+
+struct Wrong {
+  const char* name;
+  std::vector<std::string> arguments;
+  int code;
+  const char* says;
+};
+
+class JitterBadInputTest : public testing::TestWithParam<Wrong> {};
+
+TEST_P(JitterBadInputTest, IsOneLineThatSaysWhatToDo) {
+  Command command{GetParam().arguments};
+  EXPECT_EQ(command.exit_code(), GetParam().code);
+  EXPECT_THAT(command.err(), OneErrorLine(GetParam().says));
+  EXPECT_THAT(command.out(), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, JitterBadInputTest,
+    testing::Values(
+        Wrong{"Channel", {"jitter", "--channels", "tea"}, 2, "tea"},
+        Wrong{"Period", {"jitter", "--period", "0.2"}, 2, "0.2"},
+        Wrong{"Folder", {"jitter", "--json", "/nosuch/file"}, 1, "/nosuch/file"},
+        Wrong{"Port", {"jitter", "--port", "/dev/nosuch", "--channels", "robot"}, 1, "/dev/nosuch"},
+        Wrong{"NoFile", {"jitter", "compare", "/nosuch.json", "/nosuch.json"}, 1, "cannot read"},
+        Wrong{"NoResult",
+              {"jitter", "compare", "/etc/passwd", "/etc/passwd"},
+              1,
+              "is not a result of cargobay jitter"},
+        Wrong{"OneFile", {"jitter", "compare", "/etc/passwd"}, 2, "FILE"}),
+    [](const auto& tested) { return std::string{tested.param.name}; });
+
+}  // namespace
+}  // namespace cargobay::test
