@@ -71,33 +71,6 @@ tests() {
 
 build() { cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs"; }
 
-# build_ahead PRESET...: builds them in this order with what processor time is left over (SCHED_IDLE), so
-# that tests which mostly wait lose nothing. Their logs and statuses are for built().
-build_ahead() {
-  local preset begin status
-  chrt --idle --pid 0 "$BASHPID" > /dev/null 2>&1 || true  # else they are built all the same
-  for preset in "$@"; do
-    begin=$SECONDS status=0
-    build "$preset" > "$logs/$preset-build.log" 2>&1 < /dev/null || status=$?
-    echo "$status $((SECONDS - begin))" > "$logs/$preset-build.status"
-  done
-}
-
-# built PRESET: waits for it; counts as one check.
-built() {
-  local status seconds
-  until [[ -s $logs/$1-build.status ]]; do
-    # A builder that died would be waited for for ever.
-    kill -0 "$builder" 2> /dev/null || [[ -s $logs/$1-build.status ]] ||
-      echo "1 0" > "$logs/$1-build.status"
-    sleep 1
-  done
-  read -r status seconds < "$logs/$1-build.status"
-  if ((status == 0)); then passed=$((passed + 1)); else failed=$((failed + 1)); fi
-  report "$1-build" "$status" "$seconds" ""
-  return "$status"
-}
-
 # fuzz_one TARGET: for some seconds, from its corpus.
 fuzz_one() {
   local name=${1##*/fuzz_}
@@ -140,18 +113,11 @@ if ((quick)); then
 fi
 
 stage install .ci/packages.sh test || { finish; exit 1; }
-stage dev-build build dev || { finish; exit 1; }
-sanitizers=(asan tsan rtsan)
-ahead=("${sanitizers[@]}" fuzz release aarch64 armhf)
-for preset in "${ahead[@]}"; do rm -f "$logs/$preset-build.status"; done
-build_ahead "${ahead[@]}" &
-builder=$!
-trap 'pkill -P "$builder" 2> /dev/null || true' EXIT
-tests dev
+if stage dev-build build dev; then tests dev; fi
 stage lint tests/lint.sh || true
-for preset in "${sanitizers[@]}"; do
-  if built "$preset"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
+for preset in asan tsan rtsan; do
+  if stage "$preset-build" build "$preset"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
 done
-if built fuzz; then stage fuzz-run fuzz || true; fi
-for preset in release aarch64 armhf; do built "$preset" || true; done
+if stage fuzz-build build fuzz; then stage fuzz-run fuzz || true; fi
+for preset in release aarch64 armhf; do stage "$preset-build" build "$preset" || true; done
 finish

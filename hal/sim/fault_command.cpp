@@ -47,6 +47,21 @@ std::optional<std::uint32_t> count(std::string_view rest, std::uint32_t otherwis
   return static_cast<std::uint32_t>(*value);
 }
 
+bool set_held(std::string_view rest, Cable& cable) {
+  const std::optional<double> every = to_number(next_word(rest), 0.0, 1e6);
+  if (!every) return false;
+  LineFaults& line = cable.faults_to_host();
+  if (*every == 0.0 && no_more_words(rest)) {
+    line.held_every = 0;
+    return true;
+  }
+  const std::optional<double> ms = to_number(next_word(rest), 0.0, kLongestMs);
+  if (!ms || !no_more_words(rest)) return false;
+  line.held_every = static_cast<std::uint32_t>(*every);
+  line.held_by = milliseconds(*ms);
+  return true;
+}
+
 bool set_burst(std::string_view rest, Cable& cable) {
   const std::string_view state = next_word(rest);
   if ((state != "on" && state != "off") || !no_more_words(rest)) return false;
@@ -77,6 +92,7 @@ bool apply(std::string_view name, std::string_view rest, Cable& cable) {
   if (name == "flipped") return set_probability(&ByteFaults::flipped, rest, cable);
   if (name == "duplicated") return set_probability(&ByteFaults::duplicated, rest, cable);
   if (name == "inserted") return set_probability(&ByteFaults::inserted, rest, cable);
+  if (name == "held") return set_held(rest, cable);
   if (name == "burst") return set_burst(rest, cable);
   if (name == "wrong-baud") return set_wrong_baud(rest, cable);
   if (name == "unplugged" && bare) return set_unplugged(true, cable);

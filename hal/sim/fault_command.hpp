@@ -17,7 +17,7 @@ struct FaultInfo {
 
 // P is a probability for each byte, 0 to 1; the direction is to-host (the default), to-robot or
 // both.
-inline constexpr std::array<FaultInfo, 16> kFaults{{
+inline constexpr std::array<FaultInfo, 17> kFaults{{
     {"none", "", "ends all faults of the line, and those of the robot that last"},
     {"lost", "P [DIRECTION]", "bytes are lost"},
     {"flipped", "P [DIRECTION]", "bytes arrive with one bit flipped"},
@@ -27,6 +27,7 @@ inline constexpr std::array<FaultInfo, 16> kFaults{{
     {"stalled-stream", "MS", "the stream has no frames for so long"},
     {"burst", "on|off", "bytes arrive as through a USB adapter with a 16 ms timer"},
     {"jitter", "MS", "each byte arrives up to so much later; 0 ends it"},
+    {"held", "N MS", "each Nth frame is held back for so long, and what follows queues; 0 ends it"},
     {"unplugged", "", "nothing goes through the line any more"},
     {"replugged", "", "the line is whole again"},
     {"brown-out", "", "the battery fails for an instant: the robot boots and has forgotten all"},

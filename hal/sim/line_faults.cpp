@@ -24,7 +24,18 @@ void FaultyLine::hold(rt::Duration now, std::uint8_t byte) {
 }
 
 rt::Duration FaultyLine::let_through_at(rt::Duration now) {
+  // More than two bytes' time at the lowest rate that anybody uses.
+  constexpr rt::Duration kBetweenFrames = std::chrono::milliseconds{2};
+  const bool begins = now - last_push_ > kBetweenFrames;
+  last_push_ = now;
+  if (faults_.held_every == 0) {
+    frames_ = 0;
+  } else if (begins) {
+    ++frames_;
+  }
   rt::Duration due = now;
+  if (faults_.held_every != 0 && frames_ > 0 && frames_ % faults_.held_every == 0)
+    due += faults_.held_by;
   if (faults_.jitter > rt::Duration{0}) {
     due += rt::Duration{
         static_cast<std::int64_t>(random_.uniform() * static_cast<double>(faults_.jitter.count()))};

@@ -26,12 +26,16 @@ struct LineFaults {
   // What an FTDI adapter does: it hands on what it has each time its latency timer runs out, or
   // when it has 62 bytes. 0: none.
   rt::Duration latency_timer{0};
+  // Each so manieth frame, or whatever else comes in one go, is held back so long as a whole, and
+  // what comes behind it queues. 0: none.
+  std::uint32_t held_every = 0;
+  rt::Duration held_by{0};
   bool unplugged = false;  // nothing comes through
 
   bool any() const {
     return unplugged || jitter != rt::Duration{0} || latency_timer != rt::Duration{0} ||
-           bytes.lost != 0.0 || bytes.flipped != 0.0 || bytes.duplicated != 0.0 ||
-           bytes.inserted != 0.0;
+           held_every != 0 || bytes.lost != 0.0 || bytes.flipped != 0.0 ||
+           bytes.duplicated != 0.0 || bytes.inserted != 0.0;
   }
 };
 
@@ -63,6 +67,8 @@ class FaultyLine {
   rt::Duration let_through_at(rt::Duration now);
 
   LineFaults faults_{};
+  rt::Duration last_push_{0};
+  std::uint32_t frames_ = 0;  // since held_every was seen
   Random random_;
   RingBuffer<Held> held_;  // let through in their order, each not before it is due
 };

@@ -113,6 +113,8 @@ inline constexpr std::array kFaultCases{
     by_the_robot("stalled-stream 700", false),
     ends_the_link("stalled-stream 2000"),
     late("burst on", "burst off", 16ms),
+    late("held 5 10", "held 0", 10ms),
+    late("held 9 25", "held 0", 25ms),
     late("jitter 3", "jitter 0", 3ms),
     late("jitter 12", "jitter 0", 12ms),
     unplugged("unplugged, shortly", 1ms, 140ms, ", up to 0.14 s", Course::either),

@@ -114,6 +114,26 @@ TEST(Faults, BunchBytesByTheAdaptersTimer) {
   EXPECT_EQ(whole_frames(robot.receive()), 7U);
 }
 
+// Each third frame is 4 ms late, as a whole, and no other.
+TEST(Faults, HoldBackWholeFrames) {
+  Streaming robot;
+  robot.wait(100ms);
+  (void)robot.receive();
+  EXPECT_EQ(robot.fault("held 3 4"), "");
+  std::vector<std::int64_t> phases_us;
+  ASSERT_FALSE(robot.link.set_wake_threshold(5));
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_EQ(robot.link.wait(robot.link.now() + 1s), ByteStream::Wait::ready);
+    phases_us.push_back(rt::nanoseconds(robot.link.now()) / 1000 % 15'000);
+    EXPECT_EQ(robot.receive().size(), 5U);
+  }
+  for (std::size_t i = 0; i < phases_us.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(phases_us[i] - phases_us[0]), (i + 1) % 3 == 0 ? 4000.0 : 0.0,
+                1.0)
+        << i;
+  EXPECT_EQ(robot.fault("held 0"), "");
+}
+
 TEST(Faults, SendAFullAdapterPacketAtOnce) {
   Robot robot;
   robot.send({128});
@@ -243,10 +263,27 @@ TEST(Faults, RepeatTheirJitterUnderOneSeed) {
 
 TEST(Faults, SayWhatIsWrongWithACommand) {
   Streaming robot;
-  for (const char* bad :
-       {"lost", "lost 1.1", "lost -1", "lost x", "lost 0.1 up", "lost 0.1 both ways", "burst",
-        "burst maybe", "jitter", "jitter -1", "jitter nan", "stalled-stream", "wrong-baud 1234",
-        "garbled-frame x", "unplugged now", "none please", "junk-reading 1 2", "brown-out 3"}) {
+  for (const char* bad : {"lost",
+                          "lost 1.1",
+                          "lost -1",
+                          "lost x",
+                          "lost 0.1 up",
+                          "lost 0.1 both ways",
+                          "burst",
+                          "burst maybe",
+                          "jitter",
+                          "jitter -1",
+                          "jitter nan",
+                          "held",
+                          "held 3",
+                          "held 3 x",
+                          "stalled-stream",
+                          "wrong-baud 1234",
+                          "garbled-frame x",
+                          "unplugged now",
+                          "none please",
+                          "junk-reading 1 2",
+                          "brown-out 3"}) {
     const std::string message = robot.fault(bad);
     EXPECT_EQ(message.substr(0, 7), "it is '") << bad;
   }
