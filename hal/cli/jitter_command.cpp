@@ -309,8 +309,9 @@ void add_jitter(CLI::App& app, Action& chosen) {
       ->check(CLI::Range(std::size_t{0}, std::size_t{10'000}))
       ->capture_default_str();
   command->add_flag("--load", options->load, "Load all CPUs with stress-ng meanwhile");
-  command->add_option("--hold-every", options->hold_every,
-                      "Hold back each so manieth frame of loop and echo, to see it in the result");
+  command->add_option(
+      "--hold-every", options->hold_every,
+      "Hold back each so manieth frame of loop, echo and a virtual Create, to see it told");
   command->add_option("--hold", options->hold_ms, "Milliseconds that such a frame is held back")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();

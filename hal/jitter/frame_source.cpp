@@ -7,29 +7,12 @@
 #include <array>
 #include <ctime>
 
-#include "hal/frame_lists.hpp"
+#include "hal/jitter/sample_frames.hpp"
 #include "oi/command_parser.hpp"
 #include "oi/commands.hpp"
-#include "oi/frame.hpp"
-#include "oi/sensors.hpp"
 
 namespace cargobay::hal::jitter {
 namespace {
-
-using FrameBytes = std::array<std::uint8_t, kFrameBytes>;
-
-FrameBytes frame_of(FrameList list) {
-  oi::SensorValues values;
-  for (std::uint8_t id = oi::kFirstSinglePacket; id <= oi::kLastPacket; ++id)
-    values.set(oi::PacketId{id}, 0);
-  values.set(oi::PacketId::oi_mode, static_cast<std::int32_t>(oi::Mode::safe));
-  values.set(oi::PacketId::voltage, 16'000);
-  values.set(oi::PacketId::battery_charge, 2'600);
-  values.set(oi::PacketId::battery_capacity, 2'700);
-  FrameBytes bytes{};
-  (void)oi::encode_frame(packets(list), values, oi::Checksum::including_header, bytes);  // fits
-  return bytes;
-}
 
 timespec as_timespec(rt::TimePoint time) {
   const std::int64_t ns = rt::nanoseconds(time);
@@ -157,8 +140,9 @@ class Source {
   HeldFrame held_;
   Stamps& stamps_;
   Recorder& recorder_;
-  std::array<FrameBytes, 3> frames_{frame_of(FrameList::reading), frame_of(FrameList::hazards),
-                                    frame_of(FrameList::battery)};
+  std::array<FrameBytes, 3> frames_{sample_frame(FrameList::reading),
+                                    sample_frame(FrameList::hazards),
+                                    sample_frame(FrameList::battery)};
   FrameList list_ = FrameList::reading;
   oi::CommandParser parser_{};
   Instants now_{};

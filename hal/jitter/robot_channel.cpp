@@ -143,9 +143,16 @@ class RobotChannel final : public Channel {
 }  // namespace
 
 Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
-                                                    sim::Server* server, const Settings& settings) {
+                                                    sim::Server* server, const Settings& settings,
+                                                    const HeldFrame& held) {
   auto channel = std::make_unique<RobotChannel>(std::move(stream), server, settings);
   if (const auto failure = channel->bring_up_robot()) return *failure;
+  if (server != nullptr) {
+    server->with_cable([&held](sim::Cable& cable) {
+      cable.faults_to_host().held_every = static_cast<std::uint32_t>(held.every);
+      cable.faults_to_host().held_by = held.by;
+    });
+  }
   return std::unique_ptr<Channel>{std::move(channel)};
 }
 

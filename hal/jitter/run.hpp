@@ -23,7 +23,7 @@ struct RunRequest {
   std::vector<std::string> channels{};  // of the names above
   Settings settings{};                  // of the channels without a robot
   std::size_t rounds = 1;
-  HeldFrame held{};  // of loop and echo
+  HeldFrame held{};  // of loop and echo, and of a virtual Create's line
   // For the channel "robot": at the right rate already.
   std::unique_ptr<ByteStream> robot{};
   sim::Server* server = nullptr;  // at its other end; null for a real robot

@@ -64,6 +64,16 @@ TEST_P(JitterHoldTest, ShowsWhatWasHeldBack) {
 INSTANTIATE_TEST_SUITE_P(Each, JitterHoldTest, testing::Values("echo", "loop"),
                          [](const auto& tested) { return std::string{tested.param}; });
 
+// 33 frames of the robot: whichever comes first, each eleventh is three of them. 10 ms late they
+// are before the next.
+TEST(JitterCommand, ShowsWhatTheVirtualCreateHeldBack) {
+  const json result = measured({"--channels", "robot", "--period", "15", "--frames", "33",
+                                "--warm-up", "0", "--hold-every", "11", "--hold", "10"});
+  const json& channel = result.at("channels").at(0);
+  EXPECT_EQ(channel.at("frames"), 33U);
+  EXPECT_EQ(counted_from(channel.at("uncorrected_histogram_ns"), 10'000'000), 3U);
+}
+
 TEST(JitterCommand, MeasuresEveryChannelInTurn) {
   const json result = measured({"--frames", "600"});
   std::vector<std::string> names;

@@ -1,0 +1,29 @@
+// Frames as a robot in Safe mode sends them that moves slowly and has nothing to tell.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hal/frame_lists.hpp"
+#include "oi/frame.hpp"
+#include "oi/sensors.hpp"
+
+namespace cargobay::hal::jitter {
+
+using FrameBytes = std::array<std::uint8_t, kFrameBytes>;
+
+inline FrameBytes sample_frame(FrameList list) {
+  oi::SensorValues values;
+  for (std::uint8_t id = oi::kFirstSinglePacket; id <= oi::kLastPacket; ++id)
+    values.set(oi::PacketId{id}, 0);
+  values.set(oi::PacketId::oi_mode, static_cast<std::int32_t>(oi::Mode::safe));
+  values.set(oi::PacketId::distance, 3);
+  values.set(oi::PacketId::voltage, 16'000);
+  values.set(oi::PacketId::battery_charge, 2'600);
+  values.set(oi::PacketId::battery_capacity, 2'700);
+  FrameBytes bytes{};
+  (void)oi::encode_frame(packets(list), values, oi::Checksum::including_header, bytes);  // fits
+  return bytes;
+}
+
+}  // namespace cargobay::hal::jitter
