@@ -23,13 +23,14 @@ Failure no_line(const char* what) {
   return {std::string{"cannot make "} + what + ": " + error.message(), error};
 }
 
-// Answers until the far end has no more to send.
-void echo(int from_source, int to_source, Stamps& stamps, const std::atomic<bool>& ended) {
+// Answers until the far end has no more to send. Waits as long as the loop would for a late frame:
+// the kernel's timer for that is part of what any such program must do.
+void echo(int from_source, int to_source, rt::Duration patience, Stamps& stamps,
+          const std::atomic<bool>& ended) {
   const auto command = *oi::encode(oi::DriveDirect{.left = {}, .right = {}});
   std::array<std::uint8_t, 256> frame{};
   while (!ended.load(std::memory_order_relaxed)) {
-    // Like the loop it does not wait for ever.
-    const timespec timeout{.tv_sec = 0, .tv_nsec = 20'000'000};
+    const timespec timeout{.tv_sec = 0, .tv_nsec = patience.count()};
     pollfd line{.fd = from_source, .events = POLLIN, .revents = 0};
     if (ppoll(&line, 1, &timeout, nullptr) <= 0) continue;
     const std::int64_t woken = rt::nanoseconds(rt::Clock::now());
@@ -93,7 +94,7 @@ class EchoChannel final : public Channel {
     std::atomic<bool> ended{false};
     return run_line_slice(
         source_, settings_, held_, stamps, measured_, grant_,
-        [&] { echo(from_source_, to_source_, stamps, ended); },
+        [&] { echo(from_source_, to_source_, settings_.period * 4 / 3, stamps, ended); },
         [&] { ended.store(true, std::memory_order_relaxed); }, stop);
   }
 
