@@ -8,6 +8,8 @@
 namespace cargobay::hal {
 namespace {
 
+constexpr std::array<std::uint8_t, Outgoing::kMostFill> kZeros{};
+
 oi::MmPerSec to_wire(double speed_mm_s) noexcept CARGOBAY_NONBLOCKING {
   return oi::MmPerSec{static_cast<std::int32_t>(std::lrint(speed_mm_s))};
 }
@@ -33,7 +35,6 @@ void Outgoing::add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING {
 }
 
 void Outgoing::add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING {
-  static constexpr std::array<std::uint8_t, kMostFill> kZeros{};
   if (zeros == 0) return;
   append({.kind = Kind::fill}, std::span{kZeros}.first(std::min(zeros, kMostFill)));
 }

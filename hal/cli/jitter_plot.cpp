@@ -214,7 +214,7 @@ class Drawing {
   // At the right, as near to the end of its curve as the others let it, joined to nothing.
   void write_labels(std::vector<Label>& labels, double top, double height) {
     constexpr double kLine = 17.0;
-    std::ranges::stable_sort(labels, {}, &Label::y);
+    std::ranges::sort(labels, {}, &Label::y);
     double lowest = top + 10.0;
     for (Label& label : labels) {
       label.y = std::max(label.y, lowest);
