@@ -36,7 +36,7 @@ constexpr int kAboveTheLoop = 10;
 constexpr int kMostPriority = 98;  // 99 is for those without whom the kernel stands still
 
 void nap() {
-  const timespec pause{.tv_sec = 0, .tv_nsec = rt::Duration{kNap}.count()};
+  const timespec pause = rt::as_timespec(kNap);
   nanosleep(&pause, nullptr);
 }
 

@@ -29,8 +29,7 @@ ByteStream::Wait TtyStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBL
   return rt::unchecked([this, deadline]() noexcept {
     for (;;) {
       const rt::Duration left = std::max(deadline - rt::Clock::now(), rt::Duration::zero());
-      const timespec timeout{.tv_sec = static_cast<time_t>(left.count() / 1'000'000'000),
-                             .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
+      const timespec timeout = rt::as_timespec(left);
       pollfd port{.fd = descriptor_, .events = POLLIN, .revents = 0};
       const int ready = ppoll(&port, 1, &timeout, nullptr);
       if (ready < 0 && errno == EINTR) continue;

@@ -27,8 +27,7 @@ constexpr std::size_t kUartFifo = 32;  // bytes that the driver counts as sent a
 constexpr std::size_t kLeastText = 4;  // characters that are not damage by chance
 
 void sleep_for(rt::Duration duration) {
-  const timespec pause{.tv_sec = static_cast<time_t>(duration.count() / 1'000'000'000),
-                       .tv_nsec = static_cast<long>(duration.count() % 1'000'000'000)};
+  const timespec pause = rt::as_timespec(duration);
   nanosleep(&pause, nullptr);
 }
 

@@ -17,8 +17,7 @@ StopSignals::StopSignals(std::initializer_list<int> more) {
 }
 
 std::optional<int> StopSignals::wait(rt::Duration timeout) {
-  const timespec limit{.tv_sec = static_cast<time_t>(timeout.count() / 1'000'000'000),
-                       .tv_nsec = static_cast<long>(timeout.count() % 1'000'000'000)};
+  const timespec limit = rt::as_timespec(timeout);
   const int signal = sigtimedwait(&signals_, nullptr, &limit);
   if (signal < 0) return std::nullopt;
   return signal;

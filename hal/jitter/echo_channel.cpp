@@ -30,7 +30,7 @@ void echo(int from_source, int to_source, rt::Duration patience, Stamps& stamps,
   const auto command = *oi::encode(oi::DriveDirect{.left = {}, .right = {}});
   std::array<std::uint8_t, 256> frame{};
   while (!ended.load(std::memory_order_relaxed)) {
-    const timespec timeout{.tv_sec = 0, .tv_nsec = patience.count()};
+    const timespec timeout = rt::as_timespec(patience);
     pollfd line{.fd = from_source, .events = POLLIN, .revents = 0};
     if (ppoll(&line, 1, &timeout, nullptr) <= 0) continue;
     const std::int64_t woken = rt::nanoseconds(rt::Clock::now());

@@ -14,14 +14,8 @@
 namespace cargobay::hal::jitter {
 namespace {
 
-timespec as_timespec(rt::TimePoint time) {
-  const std::int64_t ns = rt::nanoseconds(time);
-  return {.tv_sec = static_cast<time_t>(ns / 1'000'000'000),
-          .tv_nsec = static_cast<long>(ns % 1'000'000'000)};
-}
-
 void sleep_until(rt::TimePoint time) {
-  const timespec until = as_timespec(time);
+  const timespec until = rt::as_timespec(time.time_since_epoch());
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
   }
 }
@@ -73,8 +67,7 @@ class Source {
     while (waiting_) {
       const rt::Duration left = deadline - rt::Clock::now();
       if (left <= rt::Duration::zero()) return;
-      const timespec timeout{.tv_sec = static_cast<time_t>(left.count() / 1'000'000'000),
-                             .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
+      const timespec timeout = rt::as_timespec(left);
       pollfd source{.fd = line_.from_measured, .events = POLLIN, .revents = 0};
       if (ppoll(&source, 1, &timeout, nullptr) <= 0) return;
       std::array<std::uint8_t, 256> bytes{};

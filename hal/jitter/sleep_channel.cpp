@@ -28,8 +28,7 @@ class SleepChannel final : public Channel {
     const std::size_t wakes = settings_.warm_up + settings_.slice_frames;
     std::int64_t due = rt::nanoseconds(rt::Clock::now()) + settings_.period.count();
     for (std::size_t i = 0; i < wakes && !stop.load(std::memory_order_relaxed); ++i) {
-      const timespec until{.tv_sec = static_cast<time_t>(due / 1'000'000'000),
-                           .tv_nsec = static_cast<long>(due % 1'000'000'000)};
+      const timespec until = rt::as_timespec(rt::Duration{due});
       while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
       }
       const std::int64_t woken = rt::nanoseconds(rt::Clock::now());

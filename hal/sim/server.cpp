@@ -175,8 +175,7 @@ void Server::sleep_until(rt::TimePoint time) {
     }
   }
   const rt::Duration left = std::max(time - rt::Clock::now(), rt::Duration::zero());
-  const timespec timeout{.tv_sec = static_cast<time_t>(left.count() / 1'000'000'000),
-                         .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
+  const timespec timeout = rt::as_timespec(left);
   if (ppoll(sources.data(), sources.size(), &timeout, nullptr) > 0 && sources[2].revents != 0) {
     std::uint64_t count = 0;
     (void)!::read(wake_descriptor_, &count, sizeof count);  // only empties it
