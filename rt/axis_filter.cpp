@@ -65,6 +65,8 @@ AxisFilter::AxisFilter(const Parameters& parameters) : parameters_{parameters} {
 
 void AxisFilter::reset() noexcept CARGOBAY_NONBLOCKING {
   state_.setZero();
+  read_mm_ = 0.0;
+  forgotten_ = 0.0;
   covariance_.setZero();
   covariance_(kPosition, kPosition) = parameters_.step_mm * parameters_.step_mm / 3.0;
   covariance_(kDisturbance, kDisturbance) = kInitialDisturbanceSd * kInitialDisturbanceSd;
@@ -106,6 +108,7 @@ double AxisFilter::read(int count, Remainder remainder) noexcept CARGOBAY_NONBLO
 
   if (remainder == Remainder::carried) {
     state_[kPosition] -= count * step;
+    read_mm_ += count * step;
   } else {
     forget_position(0.0);
   }
@@ -114,10 +117,16 @@ double AxisFilter::read(int count, Remainder remainder) noexcept CARGOBAY_NONBLO
 
 void AxisFilter::read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING {
   const double step = parameters_.step_mm;
-  forget_position(remainder == Remainder::carried ? step * step / 3.0 : 0.0);
+  if (remainder == Remainder::lost) return forget_position(0.0);
+  // A robot that carries it has kept half a step, on average, which the next reading tells again.
+  const bool moves = std::abs(state_[kSpeed]) * parameters_.tick_s > step / 100.0;
+  if (moves) read_mm_ -= std::copysign(step / 2.0, state_[kSpeed]);
+  forget_position(step * step / 3.0);
 }
 
 void AxisFilter::forget_position(double variance) noexcept CARGOBAY_NONBLOCKING {
+  read_mm_ += state_[kPosition];
+  forgotten_ += covariance_(kPosition, kPosition);
   state_[kPosition] = 0.0;
   covariance_.row(kPosition).setZero();
   covariance_.col(kPosition).setZero();

@@ -57,6 +57,15 @@ class AxisFilter {
   void read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING;
 
   double speed_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kSpeed]; }
+  // The way since reset(): what was read, and what the filter thinks was not. A reading may take
+  // back a little of what was expected before.
+  double travel_mm() const noexcept CARGOBAY_NONBLOCKING { return read_mm_ + state_[kPosition]; }
+  // How far that may be wrong. Of what readings left behind for good it grows with each; of what
+  // the next reading will tell it does not.
+  double forgotten_variance() const noexcept CARGOBAY_NONBLOCKING { return forgotten_; }
+  double unread_variance() const noexcept CARGOBAY_NONBLOCKING {
+    return covariance_(kPosition, kPosition);
+  }
   double disturbance_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kDisturbance]; }
   double speed_variance() const noexcept CARGOBAY_NONBLOCKING {
     return covariance_(kSpeed, kSpeed);
@@ -77,6 +86,8 @@ class AxisFilter {
   Eigen::Vector3d input_;
   Eigen::Vector3d state_;
   Eigen::Matrix3d covariance_;
+  double read_mm_ = 0.0;    // the way up to where state_'s position begins
+  double forgotten_ = 0.0;  // mm^2
 };
 
 }  // namespace cargobay::rt

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -17,12 +18,27 @@ class Histogram {
   // Values from here on, about 18 minutes in nanoseconds, are counted in the last bucket.
   static constexpr std::uint64_t kMostValue = std::uint64_t{1} << 40U;
 
-  // One thread records at a time.
+  // One thread records at a time; another may take a snapshot() meanwhile.
   void record(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
-    ++counts_[bucket_of(value)];
-    ++count_;
-    min_ = std::min(min_, value);
-    max_ = std::max(max_, value);
+    const std::size_t bucket = bucket_of(value);
+    store(counts_[bucket], counts_[bucket] + 1);
+    store(count_, count_ + 1);
+    store(min_, std::min(min_, value));
+    store(max_, std::max(max_, value));
+    store(sum_, sum_ + value);
+  }
+  // A copy, while another thread records: the values that it has recorded by now, and perhaps a
+  // part of the one that it is at.
+  Histogram snapshot() const noexcept CARGOBAY_NONBLOCKING {
+    Histogram copy;
+    for (std::size_t i = 0; i < kBuckets; ++i) {
+      copy.counts_[i] = load(counts_[i]);
+      copy.count_ += copy.counts_[i];
+    }
+    copy.min_ = load(min_);
+    copy.max_ = load(max_);
+    copy.sum_ = load(sum_);
+    return copy;
   }
   // The same for something that is due every `interval` and waits for its turn: while it took
   // longer, others were due and had to wait too, and were not measured. They are recorded as the
@@ -41,12 +57,17 @@ class Histogram {
     count_ += other.count_;
     min_ = std::min(min_, other.min_);
     max_ = std::max(max_, other.max_);
+    sum_ += other.sum_;
   }
 
   std::uint64_t count() const noexcept CARGOBAY_NONBLOCKING { return count_; }
   // Exact. 0 where nothing was recorded.
   std::uint64_t min() const noexcept CARGOBAY_NONBLOCKING { return count_ == 0 ? 0 : min_; }
   std::uint64_t max() const noexcept CARGOBAY_NONBLOCKING { return max_; }
+
+  double mean() const noexcept CARGOBAY_NONBLOCKING {
+    return count_ == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(count_);
+  }
 
   // Calls `see(value, count)` for each bucket that is not empty, in rising order: `value` is the
   // bucket's last, never above max().
@@ -76,6 +97,15 @@ class Histogram {
   static constexpr std::uint64_t kSubBuckets = std::uint64_t{1} << kSubBits;
   static constexpr std::size_t kBuckets = (40 - kSubBits + 1) * kSubBuckets;
 
+  // Relaxed: each number is whole, and that is all that a snapshot promises.
+  static void store(std::uint64_t& number, std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+    std::atomic_ref{number}.store(value, std::memory_order_relaxed);
+  }
+  // Until C++26 there is no atomic_ref of what is const; a load changes nothing.
+  static std::uint64_t load(const std::uint64_t& number) noexcept CARGOBAY_NONBLOCKING {
+    return std::atomic_ref{const_cast<std::uint64_t&>(number)}.load(std::memory_order_relaxed);
+  }
+
   // The first 128 values have a bucket each; after them, 128 buckets for each power of two.
   static std::size_t bucket_of(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
     const std::uint64_t held = std::min(value, kMostValue - 1);
@@ -89,10 +119,13 @@ class Histogram {
     return ((bucket % kSubBuckets + kSubBuckets + 1) << shift) - 1;
   }
 
-  std::array<std::uint64_t, kBuckets> counts_{};
-  std::uint64_t count_ = 0;
-  std::uint64_t min_ = ~std::uint64_t{0};
-  std::uint64_t max_ = 0;
+  // atomic_ref wants 8 bytes of alignment, which a 32-bit processor's integers may not have.
+  static constexpr std::size_t kAlignment = 8;
+  alignas(kAlignment) std::array<std::uint64_t, kBuckets> counts_{};
+  alignas(kAlignment) std::uint64_t count_ = 0;
+  alignas(kAlignment) std::uint64_t min_ = ~std::uint64_t{0};
+  alignas(kAlignment) std::uint64_t max_ = 0;
+  alignas(kAlignment) std::uint64_t sum_ = 0;
 };
 
 }  // namespace cargobay::rt

@@ -57,6 +57,10 @@ void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
     hypothesis->distance.reset();
     hypothesis->turn.reset();
   }
+  carried_likelihood_ = 0.0;
+  lost_likelihood_ = 0.0;
+  carried_taken_ = {};
+  lost_taken_ = {};
   sent_ = {};
   ticks_since_read_ = 0;
   command_unsure_ = 0;
@@ -110,6 +114,8 @@ void WheelEstimator::step(const WheelSpeeds& command,
                          carried_.turn.read(reading->angle_deg, Remainder::carried);
   const double lost = lost_.distance.read(reading->distance_mm, Remainder::lost) +
                       lost_.turn.read(reading->angle_deg, Remainder::lost);
+  carried_likelihood_ += carried;
+  lost_likelihood_ += lost;
   if (command_unsure_ == 0) weigh(carried - lost);
 }
 
@@ -158,6 +164,36 @@ WheelSpeeds WheelEstimator::speeds() const noexcept CARGOBAY_NONBLOCKING {
   const double difference =
       weight * carried_.turn.speed_mm_s() + (1.0 - weight) * lost_.turn.speed_mm_s();
   return {mean - difference / 2.0, mean + difference / 2.0};
+}
+
+WheelEstimator::Taken WheelEstimator::total(const Hypothesis& hypothesis) noexcept
+    CARGOBAY_NONBLOCKING {
+  return {.distance_mm = hypothesis.distance.travel_mm(),
+          .turn_mm = hypothesis.turn.travel_mm(),
+          .distance_variance = hypothesis.distance.forgotten_variance(),
+          .turn_variance = hypothesis.turn.forgotten_variance()};
+}
+
+// Step by step, by what is believed now: a kind that was found out late does not move what is past.
+Travel WheelEstimator::take_travel() noexcept CARGOBAY_NONBLOCKING {
+  const Taken carried = total(carried_);
+  const Taken lost = total(lost_);
+  const double weight = carried_weight();
+  const auto since = [&](double Taken::* member) noexcept CARGOBAY_NONBLOCKING {
+    return weight * (carried.*member - carried_taken_.*member) +
+           (1.0 - weight) * (lost.*member - lost_taken_.*member);
+  };
+  const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
+  const double base = parameters_.wheel_base_mm;
+  const Travel travel{.distance_mm = since(&Taken::distance_mm),
+                      .turn_rad = since(&Taken::turn_mm) / base,
+                      .distance_variance = since(&Taken::distance_variance),
+                      .turn_variance = since(&Taken::turn_variance) / (base * base),
+                      .unread_distance_variance = likely.distance.unread_variance(),
+                      .unread_turn_variance = likely.turn.unread_variance() / (base * base)};
+  carried_taken_ = carried;
+  lost_taken_ = lost;
+  return travel;
 }
 
 double WheelEstimator::speed_sd_mm_s() const noexcept CARGOBAY_NONBLOCKING {

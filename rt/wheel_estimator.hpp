@@ -15,6 +15,7 @@
 
 #include "rt/axis_filter.hpp"
 #include "rt/nonblocking.hpp"
+#include "rt/travel.hpp"
 #include "rt/wheel_speeds.hpp"
 
 namespace cargobay::rt {
@@ -63,9 +64,16 @@ class WheelEstimator {
   void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
 
   WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING;
+  // The way since the last call, or since reset().
+  Travel take_travel() noexcept CARGOBAY_NONBLOCKING;
   RemainderBelief belief() const noexcept CARGOBAY_NONBLOCKING { return belief_; }
   // Evidence for `carried` over `lost`, natural logarithm of the odds.
   double log_odds_carried() const noexcept CARGOBAY_NONBLOCKING { return log_odds_; }
+  // Of all readings that were believed, as the likelier kind of robot foresaw them: natural
+  // logarithm of their probability. What fits a drive best has the greatest.
+  double log_likelihood() const noexcept CARGOBAY_NONBLOCKING {
+    return log_odds_ > 0.0 ? carried_likelihood_ : lost_likelihood_;
+  }
   // Readings that no robot can make, and that were taken for unseen.
   std::uint64_t rejected() const noexcept CARGOBAY_NONBLOCKING { return rejected_; }
   // Standard deviation that the filter itself states for one wheel's speed.
@@ -83,11 +91,24 @@ class WheelEstimator {
   void weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING;
   double carried_weight() const noexcept CARGOBAY_NONBLOCKING;
 
+  // Way and forgotten variance of one hypothesis, as they were when they were last taken.
+  struct Taken {
+    double distance_mm = 0.0;
+    double turn_mm = 0.0;
+    double distance_variance = 0.0;
+    double turn_variance = 0.0;
+  };
+  static Taken total(const Hypothesis& hypothesis) noexcept CARGOBAY_NONBLOCKING;
+
   Parameters parameters_;
   Hypothesis carried_;
   Hypothesis lost_;
+  Taken carried_taken_{};
+  Taken lost_taken_{};
   WheelSpeeds sent_{};  // the command that acts at the start of the next tick
   double log_odds_ = 0.0;
+  double carried_likelihood_ = 0.0;
+  double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;
   int ticks_since_read_ = 0;
   std::uint64_t rejected_ = 0;

@@ -43,6 +43,7 @@ class WheelLoop {
   void stop() noexcept CARGOBAY_NONBLOCKING;
 
   WheelSpeeds estimate() const noexcept CARGOBAY_NONBLOCKING { return estimator_.speeds(); }
+  Travel take_travel() noexcept CARGOBAY_NONBLOCKING { return estimator_.take_travel(); }
   // The target behind the acceleration limit.
   WheelSpeeds set() const noexcept CARGOBAY_NONBLOCKING {
     return {left_.slew.speed_mm_s(), right_.slew.speed_mm_s()};

@@ -55,15 +55,21 @@ class Plant {
   }
 
   WheelSpeeds truth() const { return {left_.speed_mm_s, right_.speed_mm_s}; }
+  // The whole way, read or not.
+  double distance_mm() const { return (left_.way_mm + right_.way_mm) / 2.0; }
+  double turn_rad() const { return (right_.way_mm - left_.way_mm) / parameters_.wheel_base_mm; }
 
  private:
   struct Wheel {
     double speed_mm_s = 0.0;
-    double travel_mm = 0.0;
+    double travel_mm = 0.0;  // since the last read
+    double way_mm = 0.0;
     void run(double driven_mm_s, double period_s, const PlantParameters& parameters) {
       const double decay = std::exp(-period_s / parameters.lag_s);
-      travel_mm +=
+      const double moved_mm =
           driven_mm_s * period_s + (speed_mm_s - driven_mm_s) * parameters.lag_s * (1.0 - decay);
+      travel_mm += moved_mm;
+      way_mm += moved_mm;
       speed_mm_s = driven_mm_s + (speed_mm_s - driven_mm_s) * decay;
     }
   };

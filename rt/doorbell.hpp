@@ -1,0 +1,35 @@
+// Wakes whoever waits for something new. The ringing side enters the kernel only while somebody
+// waits, and never waits itself.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "rt/clock.hpp"
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::rt {
+
+class Doorbell {
+ public:
+  // How often it has rung; wraps.
+  std::uint32_t rings() const noexcept CARGOBAY_NONBLOCKING {
+    return rings_.load(std::memory_order_acquire);  // pairs with ring()
+  }
+  // What was published before is seen by whoever sees the ring.
+  void ring() noexcept CARGOBAY_NONBLOCKING {
+    // In one order with wait(): either this sees the waiter, or the waiter sees this.
+    rings_.fetch_add(1, std::memory_order_seq_cst);
+    if (waiting_.load(std::memory_order_seq_cst) != 0) wake();
+  }
+  // Blocks while it has rung no more often than `seen`, until `deadline`. True where it has.
+  bool wait(std::uint32_t seen, TimePoint deadline) noexcept;
+
+ private:
+  void wake() noexcept CARGOBAY_NONBLOCKING;
+
+  std::atomic<std::uint32_t> rings_{0};
+  std::atomic<std::uint32_t> waiting_{0};
+};
+
+}  // namespace cargobay::rt

@@ -1,0 +1,100 @@
+#include "rt/odometry.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "rt/wheel_estimator.hpp"
+#include "tests/rt/plant.hpp"
+
+namespace cargobay::rt {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Odometry, GoesStraight) {
+  Odometry odometry{{}};
+  odometry.reset({.x_mm = 10.0, .y_mm = 20.0, .heading_rad = kPi / 2.0});
+  for (int i = 0; i < 100; ++i) odometry.step({.distance_mm = 3.0});
+  EXPECT_NEAR(odometry.pose().x_mm, 10.0, 1e-9);
+  EXPECT_NEAR(odometry.pose().y_mm, 320.0, 1e-9);
+  EXPECT_DOUBLE_EQ(odometry.distance_mm(), 300.0);
+}
+
+// An arc is one, in however many steps.
+TEST(Odometry, ClosesACircle) {
+  Odometry odometry{{}};
+  constexpr int kSteps = 400;
+  constexpr double kRadius = 500.0;
+  for (int i = 0; i < kSteps; ++i) {
+    odometry.step({.distance_mm = 2.0 * kPi * kRadius / kSteps, .turn_rad = 2.0 * kPi / kSteps});
+    if (i == kSteps / 2 - 1) {
+      EXPECT_NEAR(odometry.pose().y_mm, 2.0 * kRadius, 1e-4);
+    }
+  }
+  EXPECT_NEAR(odometry.pose().x_mm, 0.0, 1e-4);
+  EXPECT_NEAR(odometry.pose().y_mm, 0.0, 1e-4);
+  EXPECT_NEAR(odometry.pose().heading_rad, 2.0 * kPi, 1e-9) << "not wrapped";
+}
+
+TEST(Odometry, ScalesWhatTheRobotReports) {
+  Odometry odometry{{.distance_scale = 1.1, .turn_scale = 0.5}};
+  odometry.step({.distance_mm = 100.0});
+  odometry.step({.turn_rad = 1.0});
+  EXPECT_NEAR(odometry.pose().x_mm, 110.0, 1e-9);
+  EXPECT_NEAR(odometry.pose().heading_rad, 0.5, 1e-9);
+}
+
+// Along the way slowly, across it faster and faster: the heading's error acts over the whole way.
+TEST(Odometry, GrowsLessSure) {
+  Odometry odometry{{}};
+  for (int i = 0; i < 1000; ++i) odometry.step({.distance_mm = 1.0});
+  const auto at_1_m = odometry.covariance();
+  EXPECT_NEAR(std::sqrt(at_1_m[0]), std::sqrt(0.02 * 1000.0 / 2.0), 0.01) << "two wheels' mean";
+  for (int i = 0; i < 1000; ++i) odometry.step({.distance_mm = 1.0});
+  const auto at_2_m = odometry.covariance();
+  EXPECT_NEAR(at_2_m[0] / at_1_m[0], 2.0, 0.01);
+  EXPECT_NEAR(at_2_m[4] / at_1_m[4], 8.0, 0.1) << "the cube of the way";
+  EXPECT_DOUBLE_EQ(at_2_m[1], at_2_m[3]);
+  EXPECT_DOUBLE_EQ(at_2_m[5], at_2_m[7]);
+  odometry.reset({});
+  EXPECT_EQ(odometry.covariance()[0], 0.0);
+}
+
+// What is still to be read is uncertain, but does not add up.
+TEST(Odometry, DoesNotAddUpWhatIsStillToBeRead) {
+  Odometry odometry{{.slip_mm2_per_mm = 0.0}};
+  for (int i = 0; i < 500; ++i)
+    odometry.step({.distance_mm = 1.0, .unread_distance_variance = 0.3});
+  EXPECT_NEAR(odometry.covariance()[0], 0.3, 1e-9);
+  odometry.step({.distance_mm = 1.0});
+  EXPECT_NEAR(odometry.covariance()[0], 0.0, 1e-9);
+  for (int i = 0; i < 100; ++i) odometry.step({.distance_mm = 1.0, .distance_variance = 0.1});
+  EXPECT_NEAR(odometry.covariance()[0], 10.0, 1e-6) << "what is lost is lost for good";
+}
+
+// The sum of what is taken is the robot's whole way, whichever kind of robot it is.
+TEST(Travel, AddsUpToTheWayOfEitherKind) {
+  for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
+    test::Plant plant{{.remainder = remainder}};
+    WheelEstimator estimator{{.remainder = remainder}};
+    double distance_mm = 0.0;
+    double turn_rad = 0.0;
+    const WheelSpeeds command{180.0, 220.0};
+    const int window = remainder == Remainder::carried ? 1 : 40;
+    for (int tick = 1; tick <= 2000; ++tick) {
+      plant.tick(command);
+      estimator.step(command, tick % window == 0 ? std::optional{plant.read()} : std::nullopt);
+      const Travel travel = estimator.take_travel();
+      distance_mm += travel.distance_mm;
+      turn_rad += travel.turn_rad;
+    }
+    const double bound = remainder == Remainder::carried ? 1.5 : 12.0;
+    EXPECT_NEAR(distance_mm, plant.distance_mm(), bound);
+    EXPECT_NEAR(turn_rad, plant.turn_rad(), remainder == Remainder::carried ? 0.03 : 0.12);
+  }
+}
+
+}  // namespace
+}  // namespace cargobay::rt
