@@ -5,7 +5,7 @@
 namespace cargobay::hal {
 
 ByteStream::Wait RecordingStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING {
-  const Wait outcome = stream_.wait(deadline);
+  const Wait outcome = stream().wait(deadline);
   recorder_.waited(outcome);
   return outcome;
 }
@@ -13,7 +13,7 @@ ByteStream::Wait RecordingStream::wait(rt::TimePoint deadline) noexcept CARGOBAY
 ByteStream::Transfer RecordingStream::read(std::span<std::uint8_t> bytes) noexcept
     CARGOBAY_NONBLOCKING {
   const auto room = bytes.first(std::min(bytes.size(), kMostTransferBytes));
-  const Transfer transfer = stream_.read(room);
+  const Transfer transfer = stream().read(room);
   recorder_.read(room.first(transfer.count), transfer.error);
   return transfer;
 }
@@ -21,13 +21,13 @@ ByteStream::Transfer RecordingStream::read(std::span<std::uint8_t> bytes) noexce
 ByteStream::Transfer RecordingStream::write(std::span<const std::uint8_t> bytes) noexcept
     CARGOBAY_NONBLOCKING {
   const auto offered = bytes.first(std::min(bytes.size(), kMostTransferBytes));
-  const Transfer transfer = stream_.write(offered);
+  const Transfer transfer = stream().write(offered);
   recorder_.wrote(offered, transfer);
   return transfer;
 }
 
 rt::TimePoint RecordingStream::now() const noexcept CARGOBAY_NONBLOCKING {
-  const rt::TimePoint now = stream_.now();
+  const rt::TimePoint now = stream().now();
   recorder_.clock(now);
   return now;
 }

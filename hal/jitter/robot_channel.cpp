@@ -74,13 +74,18 @@ class RobotChannel final : public Channel {
     if (server_ == nullptr) return;
     const rt::Duration frame = oi::wire_time(kFrameBytes, stream_->baud());
     server_->with_device([this, frame](sim::Device& device) {
+      // Others listen too: the server keeps the truth of each tick.
+      former_on_tick_ = std::move(device.on_tick);
+      former_on_drive_ = std::move(device.on_drive);
       device.on_tick = [this, frame](const sim::Device& robot) {
         wire_.complete_ns.store(rt::nanoseconds(server_->monotonic(robot.now()) + frame),
                                 std::memory_order_relaxed);
+        if (former_on_tick_) former_on_tick_(robot);
       };
       device.on_drive = [this](const sim::DriveRecord& command) {
         wire_.arrived_ns.store(rt::nanoseconds(server_->monotonic(command.time)),
                                std::memory_order_relaxed);
+        if (former_on_drive_) former_on_drive_(command);
       };
     });
   }
@@ -88,9 +93,9 @@ class RobotChannel final : public Channel {
     (void)stream_->set_wake_threshold(1);  // leave() reads single bytes
     (void)leave(*stream_);                 // it was told to stand still all the while
     if (server_ == nullptr) return;
-    server_->with_device([](sim::Device& device) {
-      device.on_tick = nullptr;
-      device.on_drive = nullptr;
+    server_->with_device([this](sim::Device& device) {
+      device.on_tick = std::move(former_on_tick_);
+      device.on_drive = std::move(former_on_drive_);
     });
   }
   RobotChannel(const RobotChannel&) = delete;
@@ -137,6 +142,8 @@ class RobotChannel final : public Channel {
   std::unique_ptr<ByteStream> stream_;
   sim::Server* server_;
   Wire wire_{};
+  std::function<void(const sim::Device&)> former_on_tick_{};
+  std::function<void(const sim::DriveRecord&)> former_on_drive_{};
   FlightRecorder recorder_{FlightRecorder::kDefaultBytes};
 };
 

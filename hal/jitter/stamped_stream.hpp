@@ -2,44 +2,36 @@
 // clock a frame, and nothing else between the loop and its port.
 #pragma once
 
-#include "hal/byte_stream.hpp"
+#include "hal/forwarding_stream.hpp"
 #include "hal/jitter/frame_source.hpp"
 
 namespace cargobay::hal::jitter {
 
-class StampedStream final : public ByteStream {
+class StampedStream final : public ForwardingStream {
  public:
   // Both outlive it. `baud` is the rate it says it has: where ticks are short, one to go with them.
   StampedStream(ByteStream& stream, Stamps& stamps, std::uint32_t baud)
-      : stream_{stream}, stamps_{stamps}, baud_{baud} {}
+      : ForwardingStream{stream}, stamps_{stamps}, baud_{baud} {}
 
   Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
-    const Wait woken = stream_.wait(deadline);
-    stamps_.woken_ns.store(rt::nanoseconds(stream_.now()), std::memory_order_relaxed);
+    const Wait woken = stream().wait(deadline);
+    stamps_.woken_ns.store(rt::nanoseconds(stream().now()), std::memory_order_relaxed);
     return woken;
   }
   Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    return stream_.read(bytes);
+    return stream().read(bytes);
   }
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    const Transfer transfer = stream_.write(bytes);
-    stamps_.written_ns.store(rt::nanoseconds(stream_.now()), std::memory_order_relaxed);
+    const Transfer transfer = stream().write(bytes);
+    stamps_.written_ns.store(rt::nanoseconds(stream().now()), std::memory_order_relaxed);
     // Pairs with the source's load: the stamps before it are this answer's.
     stamps_.answers.fetch_add(1, std::memory_order_release);
     return transfer;
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_.now(); }
-  Terminal terminal() const override { return stream_.terminal(); }
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream().now(); }
   std::uint32_t baud() const override { return baud_; }
-  std::error_code set_baud(std::uint32_t baud) override { return stream_.set_baud(baud); }
-  std::error_code set_wake_threshold(std::size_t bytes) override {
-    return stream_.set_wake_threshold(bytes);
-  }
-  void discard_input() override { stream_.discard_input(); }
-  bool drain(rt::Duration timeout) override { return stream_.drain(timeout); }
 
  private:
-  ByteStream& stream_;
   Stamps& stamps_;
   std::uint32_t baud_;
 };

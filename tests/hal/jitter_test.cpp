@@ -1,5 +1,8 @@
 // What the timing-jitter benchmark makes of instants, without a clock.
+#include <unistd.h>
+
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <random>
 
@@ -7,6 +10,7 @@
 
 #include "hal/jitter/bootstrap.hpp"
 #include "hal/jitter/channel.hpp"
+#include "hal/jitter/conditions.hpp"
 
 namespace cargobay::hal::jitter {
 namespace {
@@ -103,6 +107,52 @@ TEST(Bootstrap, GivesTheSameAgain) {
   const auto b = slices(1.0, 0.1, 2);
   EXPECT_EQ(ratio_of_percentiles(a, b, 99, 7).low, ratio_of_percentiles(a, b, 99, 7).low);
   EXPECT_EQ(ratio_of_percentiles({}, b, 99).value, 0.0);
+}
+
+// A folder that looks like a Pi's /proc and /sys.
+class FakeRoot {
+ public:
+  FakeRoot() {
+    put("proc/device-tree/model", std::string{"Raspberry Pi 3 Model B Rev 1.2"} + '\0');
+    put("proc/cpuinfo", "processor\t: 0\nmodel name\t: ARMv8 Processor rev 4 (v8l)\n");
+    put("proc/loadavg", "0.25 0.10 0.05 1/123 4567\n");
+    put("sys/kernel/realtime", "1\n");
+    put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "ondemand\n");
+    put("sys/class/thermal/thermal_zone0/temp", "48312\n");
+    put("sys/devices/platform/soc/soc:firmware/get_throttled", "50005\n");
+  }
+  ~FakeRoot() { std::filesystem::remove_all(root_); }
+  FakeRoot(const FakeRoot&) = delete;
+  FakeRoot& operator=(const FakeRoot&) = delete;
+  const std::string& path() const { return root_; }
+
+ private:
+  void put(const std::string& name, const std::string& text) {
+    const std::filesystem::path file = root_ + "/" + name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream{file} << text;
+  }
+  std::string root_ = testing::TempDir() + "cargobay_conditions_" + std::to_string(getpid());
+};
+
+TEST(JitterConditions, AreThoseOfTheMachine) {
+  const FakeRoot root;
+  const Conditions now = look_at_conditions(root.path());
+  EXPECT_EQ(now.board, "Raspberry Pi 3 Model B Rev 1.2");
+  EXPECT_EQ(now.processor, "ARMv8 Processor rev 4 (v8l)");
+  EXPECT_EQ(now.preemption, "PREEMPT_RT");
+  EXPECT_EQ(now.governor, "ondemand");
+  EXPECT_DOUBLE_EQ(now.temperature_c.value_or(0.0), 48.312);
+  EXPECT_EQ(now.throttled, 0x50005U);
+  EXPECT_DOUBLE_EQ(now.load, 0.25);
+}
+
+TEST(JitterConditions, AreLeftOutWhereNothingTells) {
+  const Conditions now = look_at_conditions("/no/such/folder");
+  EXPECT_EQ(now.board, "");
+  EXPECT_FALSE(now.temperature_c.has_value());
+  EXPECT_FALSE(now.throttled.has_value());
+  EXPECT_NE(now.preemption, "") << "the kernel's own word";
 }
 
 }  // namespace
