@@ -28,6 +28,7 @@ struct Key {
 };
 
 constexpr double kMostWheelBaseMm = 1000.0;
+constexpr double kMostScale = 2.0;
 constexpr double kMostLagS = 10.0;
 constexpr double kMostAcceleration = 100'000.0;
 constexpr double kMostJerk = 10'000'000.0;
@@ -215,6 +216,8 @@ std::vector<Key> Reader::output_keys(PinSetting& pin) {
 
 std::vector<Key> Reader::robot_keys() {
   return {number_key("wheel_base_mm", kMostWheelBaseMm, config_.wheel_base_mm),
+          number_key("distance_scale", kMostScale, config_.distance_scale),
+          number_key("turn_scale", kMostScale, config_.turn_scale),
           number_key("lag_s", kMostLagS, config_.lag_s),
           number_key("acceleration_mm_s2", kMostAcceleration, config_.acceleration_mm_s2),
           number_key("jerk_mm_s3", kMostJerk, config_.jerk_mm_s3),
@@ -278,7 +281,12 @@ Result<Config> load_config(const std::string& file) {
 
 void apply(const Config& config, ControlCycle::Parameters& parameters) {
   rt::WheelLoop::Parameters& loop = parameters.loop;
-  if (config.wheel_base_mm) loop.estimator.wheel_base_mm = *config.wheel_base_mm;
+  if (config.wheel_base_mm) {
+    loop.estimator.wheel_base_mm = *config.wheel_base_mm;
+    parameters.odometry.wheel_base_mm = *config.wheel_base_mm;
+  }
+  if (config.distance_scale) parameters.odometry.distance_scale = *config.distance_scale;
+  if (config.turn_scale) parameters.odometry.turn_scale = *config.turn_scale;
   if (config.lag_s) {
     loop.estimator.lag_s = *config.lag_s;
     loop.controller.lag_s = *config.lag_s;

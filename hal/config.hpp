@@ -20,6 +20,8 @@ struct Config {
   std::optional<std::uint32_t> baud{};
   PinSettings pins{};
   std::optional<double> wheel_base_mm{};
+  std::optional<double> distance_scale{};  // true distance for each mm that the robot reports
+  std::optional<double> turn_scale{};      // the same for each degree
   std::optional<double> lag_s{};
   std::optional<double> acceleration_mm_s2{};
   std::optional<double> jerk_mm_s3{};  // not said: none

@@ -20,18 +20,23 @@ constexpr rt::Duration way_around(rt::Duration tick) { return tick * 2 / 15; }
 // What takes longer of our own work, which is microseconds, was kept from the processor.
 constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
-// Of the commands that a cycle sends, as far as the robot may still wait for it where the line was
-// cut: all of a Drive Direct but its opcode, all ids of a list.
-constexpr std::size_t kLongestRest =
-    std::max({oi::kDriveDirectBytes - 1, kReadingList.size(), kHazardList.size()});
-
 // Zeros that fit between a frame and the command that answers it in the same tick.
 std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
   const rt::Duration room =
       tick - oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, baud) - way_around(tick);
   const rt::Duration least = std::max(room, rt::Duration::zero());
   const auto bytes = static_cast<std::size_t>(least / oi::wire_time(1, baud));
-  return std::clamp(bytes, kLongestRest, Outgoing::kMostFill);
+  return std::clamp(bytes, ControlCycle::kLongestOwnRest, Outgoing::kMostFill);
+}
+
+// What goes out beside the loop's longest commands, a drive and a list, before the next tick; no
+// more than the guard takes for a command that is under way (hal/guard/stop_robot.cpp).
+std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
+  constexpr std::size_t kOwn = oi::kDriveDirectBytes + 2 + kSignalsLeftList.size();
+  constexpr std::size_t kMostSpare = 64 - kOwn;
+  const rt::Duration room = tick - oi::wire_time(kOwn, baud) - way_around(tick);
+  const auto bytes = std::max(room, rt::Duration::zero()) / oi::wire_time(1, baud);
+  return std::min(static_cast<std::size_t>(bytes), kMostSpare);
 }
 
 // Also false where one is no number.
@@ -49,8 +54,10 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
       command_time_{oi::wire_time(oi::kDriveDirectBytes, stream.baud())},
       byte_time_{oi::wire_time(1, stream.baud())},
+      spare_bytes_{hal::spare_bytes(tick_, stream.baud())},
       most_fill_{most_fill(tick_, stream.baud())},
       loop_{parameters.loop},
+      odometry_{parameters.odometry},
       ticks_{tick_},
       mode_watch_{parameters.drive_mode},
       power_{parameters.power} {}
@@ -60,12 +67,23 @@ bool ControlCycle::set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_N
 }
 
 CycleEnd ControlCycle::run() noexcept CARGOBAY_NONBLOCKING {
+  begin();
+  while (pass()) {
+  }
+  return finish();
+}
+
+void ControlCycle::begin() noexcept CARGOBAY_NONBLOCKING {
   last_arrival_ = stream_.now();
   last_bytes_ = last_arrival_;
   deadline_ = last_arrival_ + parameters_.stop_after;
-  while (!stop_requested_.load(std::memory_order_relaxed)) {
-    if (receive() == Step::ended) break;
-  }
+}
+
+bool ControlCycle::pass() noexcept CARGOBAY_NONBLOCKING {
+  return !stop_requested_.load(std::memory_order_relaxed) && receive() != Step::ended;
+}
+
+CycleEnd ControlCycle::finish() noexcept CARGOBAY_NONBLOCKING {
   stop_wheels();
   return end_;
 }
@@ -101,21 +119,38 @@ rt::TimePoint ControlCycle::wake_time() const noexcept CARGOBAY_NONBLOCKING {
 
 ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
                                         const Readings& readings) noexcept CARGOBAY_NONBLOCKING {
+  take_requests();
   account(arrival, readings);
   CycleState state{.tick = ticks_.ticks(),
                    .arrival = arrival,
                    .mode = mode_watch_.mode(),
                    .estimate = loop_.estimate(),
                    .remainder = loop_.belief(),
+                   .reading = readings[readings.size() - 1],
                    .battery_mv = power_.battery().voltage_mv,
-                   .hazards = hazards_in(sensors_)};
+                   .hazards = hazards_in(sensors_),
+                   .bumps = bumps_,
+                   .pose = odometry_.pose(),
+                   .distance_mm = odometry_.distance_mm(),
+                   .pose_covariance = odometry_.covariance()};
   // Behind a silence the second frame tells how many ticks it was: until then there is no estimate.
   if (mode_watch_.state() == ModeWatch::State::driving && ticks_.in_doubt()) return Step::on;
+  // The control function looks at them, too.
+  board_mail_.put(board_);
   const Step step = answer_in_mode(state);
+  publish(state);
+  return step;
+}
+
+void ControlCycle::publish(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  counters_mail_.put({.frames = frames_,
+                      .overruns = overruns_,
+                      .unsent = unsent_,
+                      .withheld = withheld_,
+                      .refused = refused_});
   state_.put(state);
   history_.push(state);
   if (observer_.function != nullptr) observer_.function(observer_.context, state);
-  return step;
 }
 
 ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
@@ -142,8 +177,12 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   state.command = loop_.control(state.target);
   state.set = loop_.set();
   const FrameList list = next_list();
-  const rt::TimePoint reaches = stream_.now() + fill_time(fill());
-  const Sent sent = tick_has_command(reaches) ? Sent::withheld : send(state.command, list);
+  const rt::TimePoint now = stream_.now();
+  const rt::TimePoint reaches = std::max(now, line_free_) + fill_time(fill());
+  // Behind a long command the next would come when it is no more true.
+  const bool line_busy = line_free_ - now > way_around(tick_);
+  const bool withhold = line_busy || tick_has_command(reaches);
+  const Sent sent = withhold ? Sent::withheld : send(state.command, list);
   const rt::TimePoint written = stream_.now();
   if (written - decided > kOwnWork) ++overruns_.write;
   frame_to_command_ns_.record(static_cast<std::uint64_t>((written - state.arrival).count()));
@@ -171,13 +210,19 @@ ControlCycle::Step ControlCycle::hold() noexcept CARGOBAY_NONBLOCKING {
   }
   outgoing_.add_fill(fill());
   add_list(list);
+  add_command();
   return write_out() == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
 }
 
 FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
   using Counters = FrameRotation::Counters;
   const bool searching = mode_watch_.state() == ModeWatch::State::searching;
-  const Counters counters = loop_.next_reads() ? Counters::wanted : Counters::not_wanted;
+  // A robot that loses the remainder is read seldom anyway; one that stands loses nothing.
+  const bool settled =
+      loop_.belief() == rt::RemainderBelief::carried || loop_.command() == rt::WheelSpeeds{};
+  const Counters counters = !loop_.next_reads() ? Counters::not_wanted
+                            : settled           ? Counters::welcome
+                                                : Counters::wanted;
   FrameList next = searching ? mode_watch_.wanted() : rotation_.next(counters);
   if (hearing_.deaf() && !searching) next = hearing_.probe();
   former_list_ = list_;
@@ -258,6 +303,7 @@ ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command,
     outgoing_.add_fill(zeros);
     outgoing_.add_drive(command);
     add_list(list);
+    add_command();
   }
   const Sent sent = write_out();
   return only_rest && sent == Sent::whole ? Sent::withheld : sent;
@@ -271,11 +317,11 @@ std::size_t ControlCycle::fill() const noexcept CARGOBAY_NONBLOCKING {
   // The rest of a command comes before anything else, and completes it.
   if (!outgoing_.empty()) return 0;
   if (hearing_.deaf()) return most_fill_;
-  return hearing_in_doubt_ || hearing_.misheard() ? kLongestRest : 0;
+  return hearing_in_doubt_ || hearing_.misheard() ? longest_rest() : 0;
 }
 
 void ControlCycle::add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING {
-  const bool again = list_in_doubt_ || hearing_in_doubt_ || hearing_.misheard() || hearing_.deaf();
+  const bool again = list_in_doubt_ || !hears();
   if (list != list_ || again) outgoing_.add_list(list);
 }
 
@@ -292,6 +338,7 @@ ControlCycle::Sent ControlCycle::write_out() noexcept CARGOBAY_NONBLOCKING {
     hearing_in_doubt_ = false;
     list_in_doubt_ = true;
   }
+  if (taken.request) command_.reset();
   if (taken.list) {
     list_ = taken.streamed;
     list_in_doubt_ = false;

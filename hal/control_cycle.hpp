@@ -3,6 +3,7 @@
 // lock, no page fault.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -19,12 +20,15 @@
 #include "hal/mode_watch.hpp"
 #include "hal/outgoing.hpp"
 #include "hal/power_watch.hpp"
+#include "hal/request.hpp"
+#include "hal/sensor_board.hpp"
 #include "oi/command_table.hpp"
 #include "oi/fixed_list.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_decoder.hpp"
 #include "rt/histogram.hpp"
 #include "rt/mailbox.hpp"
+#include "rt/odometry.hpp"
 #include "rt/ring.hpp"
 #include "rt/setpoint_cell.hpp"
 #include "rt/tick_clock.hpp"
@@ -59,8 +63,14 @@ struct CycleState {
   rt::WheelSpeeds command{};  // as sent
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
   bool setpoint_lapsed = false;
+  // What the robot said of its counters, where this frame reads them.
+  std::optional<rt::WheelEstimator::Reading> reading{};
   std::int32_t battery_mv = 0;  // 0 until the first frame that tells
   Hazards hazards{};            // that this frame tells of, whether or not they stop the robot
+  Bumps bumps{};                // as the last frame told that has them
+  rt::Pose pose{};              // by odometry, and its covariance: x, y, heading
+  double distance_mm = 0.0;
+  std::array<double, 9> pose_covariance{};
 };
 
 // Behind the first frame each tick of the robot is counted once: good, bad or lost. What may still
@@ -80,6 +90,15 @@ struct PhaseOverruns {
   std::uint64_t write = 0;  // control and sending: 1 ms
 };
 
+// All that is counted, as of one frame.
+struct CycleCounters {
+  FrameCounters frames{};
+  PhaseOverruns overruns{};
+  std::uint64_t unsent = 0;    // commands that the port did not take whole
+  std::uint64_t withheld = 0;  // not sent: the robot might have got them in the tick of the last
+  std::uint64_t refused = 0;   // answers of the control function that no robot can follow
+};
+
 // Called once a frame on the control thread, between estimate and command: returns the wheel speeds
 // wanted, each within -500 to 500 mm/s; for others the wheels stop, and they are counted. It must
 // not block, lock, allocate or throw. `seconds` is robot time since the first frame. While the
@@ -95,6 +114,8 @@ struct ControlFunction {
 struct StateObserver {
   void (*function)(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING = nullptr;
   void* context = nullptr;  // outlives the cycle
+  // Of each request, when the cycle takes it up; may be null.
+  void (*request)(void* context, const Request& request) noexcept CARGOBAY_NONBLOCKING = nullptr;
 };
 
 class ControlCycle {
@@ -114,9 +135,14 @@ class ControlCycle {
     // that the robot may be silent before the wheels are stopped: no worse to steer by.
     int control_overruns_allowed = 10;
     OnModeLoss on_mode_loss = OnModeLoss::end;
+    rt::Odometry::Parameters odometry{};
     PowerWatch::Limits power{};
   };
   static constexpr std::size_t kHistory = 4096;  // about a minute of states
+  // Of the loop's own commands, as far as the robot may still wait for it where the line was cut:
+  // all of a Drive Direct but its opcode, all ids of a list.
+  static constexpr std::size_t kLongestOwnRest =
+      std::max(oi::kDriveDirectBytes - 1, kSignalsLeftList.size());
 
   // `stream` outlives the cycle; the robot on it streams frame lists already (hal/bring_up.hpp).
   ControlCycle(ByteStream& stream, const Parameters& parameters);
@@ -132,6 +158,11 @@ class ControlCycle {
   // Runs until something ends it. The last thing it sends, where the robot still listens, is
   // DriveDirect 0 0; the mode stays as it is. Once only.
   CycleEnd run() noexcept CARGOBAY_NONBLOCKING;
+  // The same in steps, for a stream in virtual time: begin(), then pass() until it is false, then
+  // finish().
+  void begin() noexcept CARGOBAY_NONBLOCKING;
+  [[nodiscard]] bool pass() noexcept CARGOBAY_NONBLOCKING;
+  CycleEnd finish() noexcept CARGOBAY_NONBLOCKING;
 
   // From any thread, also from a signal handler.
   void request_stop() noexcept CARGOBAY_NONBLOCKING {
@@ -154,6 +185,14 @@ class ControlCycle {
     rearm_requested_.store(true, std::memory_order_relaxed);
   }
 
+  // From one other thread. False where too many wait already. A command goes out behind the loop's
+  // own, one a frame, as far as the robot's mode allows it then.
+  [[nodiscard]] bool request(const Request& request) noexcept CARGOBAY_NONBLOCKING {
+    return requests_.push(request);
+  }
+  // So many bytes of a request go out beside the loop's own commands; for more it has to pause.
+  std::size_t spare_bytes() const noexcept CARGOBAY_NONBLOCKING { return spare_bytes_; }
+
   // From any thread.
   std::optional<CycleState> state() const noexcept CARGOBAY_NONBLOCKING { return state_.get(); }
   // From one other thread: the states of all ticks, oldest first; false where there is none.
@@ -163,10 +202,20 @@ class ControlCycle {
   // Events that found no room, because nobody took them. From any thread.
   std::uint64_t events_dropped() const noexcept CARGOBAY_NONBLOCKING { return events_.dropped(); }
 
-  // After run() has returned.
-  const FrameCounters& frames() const { return frames_; }
+  // What each packet said last. From any thread.
+  std::optional<SensorBoard> sensors() const noexcept CARGOBAY_NONBLOCKING {
+    return board_mail_.get();
+  }
+  // From any thread.
+  CycleCounters counters() const noexcept CARGOBAY_NONBLOCKING {
+    return counters_mail_.get().value_or(CycleCounters{});
+  }
+
+  // While it runs, from another thread, only a snapshot() of these.
   const rt::Histogram& period_ns() const { return period_ns_; }
   const rt::Histogram& frame_to_command_ns() const { return frame_to_command_ns_; }
+  // After run() has returned.
+  const FrameCounters& frames() const { return frames_; }
   // Commands that the port did not take whole.
   std::uint64_t unsent_commands() const { return unsent_; }
   // Commands not sent because the robot might have got them in the same tick as the one before.
@@ -204,11 +253,20 @@ class ControlCycle {
   Step hold() noexcept CARGOBAY_NONBLOCKING;
   Step late() noexcept CARGOBAY_NONBLOCKING;
   FrameList next_list() noexcept CARGOBAY_NONBLOCKING;
+  void publish(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
+  void take_requests() noexcept CARGOBAY_NONBLOCKING;
+  void take(const Request& request) noexcept CARGOBAY_NONBLOCKING;
+  void add_command() noexcept CARGOBAY_NONBLOCKING;
+  std::size_t longest_rest() const noexcept CARGOBAY_NONBLOCKING;
   bool tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING;
   Sent send(const rt::WheelSpeeds& command, FrameList list) noexcept CARGOBAY_NONBLOCKING;
   bool bytes_are_missing(std::int64_t ticks) const noexcept CARGOBAY_NONBLOCKING;
   void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
   std::size_t fill() const noexcept CARGOBAY_NONBLOCKING;
+  // For all that is known.
+  bool hears() const noexcept CARGOBAY_NONBLOCKING {
+    return !hearing_in_doubt_ && !hearing_.misheard() && !hearing_.deaf();
+  }
   rt::Duration fill_time(std::size_t zeros) const noexcept CARGOBAY_NONBLOCKING {
     return static_cast<std::int64_t>(zeros) * byte_time_;
   }
@@ -218,6 +276,7 @@ class ControlCycle {
   rt::WheelSpeeds ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   bool setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
   void watch(const oi::SensorValues& frame, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING;
+  void watch_bumps(const oi::SensorValues& frame, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING;
   void tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING;
   void tell(EventKind what) noexcept CARGOBAY_NONBLOCKING { tell({.what = what}, ticks_.ticks()); }
   Step end(CycleEnd why) noexcept CARGOBAY_NONBLOCKING {
@@ -231,14 +290,18 @@ class ControlCycle {
   rt::Duration frame_time_;    // on the wire
   rt::Duration command_time_;  // the same
   rt::Duration byte_time_;     // the same
+  std::size_t spare_bytes_;    // beside the loop's own commands
   std::size_t most_fill_;      // zeros in front of a command that leave it in its tick
   ControlFunction control_{};
   GuardMark guard_{};
   StateObserver observer_{};
   rt::WheelLoop loop_;
+  rt::Odometry odometry_;
   rt::TickClock ticks_;
   oi::StreamDecoder decoder_{};
   oi::SensorValues sensors_{};
+  SensorBoard board_{};
+  Bumps bumps_{};
   std::array<std::uint8_t, kReceiveBytes> received_{};
 
   FrameRotation rotation_{};
@@ -286,8 +349,15 @@ class ControlCycle {
   // Not taken up yet by the control thread; it alone looks at the clock. Carries nothing else.
   static constexpr rt::Duration kNoneAnnounced = rt::Duration::min();
   std::atomic<rt::Duration> announced_silence_{kNoneAnnounced};
+  RequestRing requests_{};
+  std::optional<Request> command_{};  // waits for room on the line
+  rt::TimePoint line_free_{};         // behind a long command
+  rt::TimePoint last_request_{};      // a command: when it was sent, and all of it but its opcode
+  std::size_t last_request_rest_ = 0;
   rt::SetpointCell setpoint_{};
   rt::Mailbox<CycleState> state_{};
+  rt::Mailbox<SensorBoard> board_mail_{};
+  rt::Mailbox<CycleCounters> counters_mail_{};
   rt::SpscRing<CycleState, kHistory> history_{};
   EventRing events_{};
 };

@@ -67,12 +67,17 @@ std::optional<FrameList> ControlCycle::list_of_frame() const noexcept CARGOBAY_N
   if (sensors_.has(distance) && sensors_.has(charging_sources)) return FrameList::reading;
   if (sensors_.has(overcurrents)) return FrameList::hazards;
   if (sensors_.has(battery_capacity)) return FrameList::battery;
+  if (sensors_.has(wall_signal)) return FrameList::signals_left;
+  if (sensors_.has(cliff_right_signal)) return FrameList::signals_right;
+  if (sensors_.has(requested_left_velocity)) return FrameList::outputs;
   return std::nullopt;
 }
 
 // Looks for what is worth telling.
 void ControlCycle::watch(const oi::SensorValues& frame,
                          std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
+  board_.see(frame, tick);
+  watch_bumps(frame, tick);
   for (const Event& event : power_.see(frame)) tell(event, tick);
   const std::optional<EventKind> change = mode_watch_.see(frame);
   if (!change) return;
@@ -82,6 +87,15 @@ void ControlCycle::watch(const oi::SensorValues& frame,
     rearm_requested_.store(false, std::memory_order_relaxed);
   }
   tell({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
+}
+
+void ControlCycle::watch_bumps(const oi::SensorValues& frame,
+                               std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
+  if (!frame.has(oi::PacketId::bumps_and_wheel_drops)) return;
+  const Bumps before = std::exchange(bumps_, bumps_in(frame));
+  const Bumps began{static_cast<std::uint8_t>(bumps_.raw() & ~before.raw())};
+  if (began.any()) tell({.what = EventKind::bump_began, .bumps = began}, tick);
+  if (before.any() && !bumps_.any()) tell({.what = EventKind::bump_ended}, tick);
 }
 
 void ControlCycle::tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
@@ -105,7 +119,11 @@ void ControlCycle::account(rt::TimePoint arrival,
     if (late || readings.size() > 1) ++overruns_.wait;
     period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
-  for (const auto& reading : readings) loop_.frame(reading);
+  odometry_.step(loop_.take_travel());
+  for (const auto& reading : readings) {
+    loop_.frame(reading);
+    odometry_.step(loop_.take_travel());
+  }
   last_arrival_ = arrival;
   bytes_ = decoder_.counters().bytes;
   if (stopped_in_silence_) tell(EventKind::silence_ended);

@@ -47,6 +47,11 @@ std::string describe(oi::BitSet<oi::Overcurrent> overcurrents) {
   return words;
 }
 
+std::string describe(Bumps bumps) {
+  if (!bumps.has(oi::Bump::bump_left)) return "at the right";
+  return bumps.has(oi::Bump::bump_right) ? "in front" : "at the left";
+}
+
 std::string describe(const BatteryState& battery) {
   std::array<char, 80> text{};
   if (battery.capacity_mah > 0) {
@@ -63,6 +68,11 @@ std::string because(Hazards hazards) {
 }
 
 }  // namespace
+
+Bumps bumps_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
+  constexpr auto kBoth = Bumps{}.with(oi::Bump::bump_left).with(oi::Bump::bump_right);
+  return Bumps{static_cast<std::uint8_t>(frame.bumps_and_wheel_drops().raw() & kBoth.raw())};
+}
 
 Hazards hazards_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
   using Drop = oi::Bump;
@@ -95,6 +105,8 @@ std::string_view name(EventKind what) {
     case EventKind::silence_ended: return "silence_ended";
     case EventKind::setpoint_lapsed: return "setpoint_lapsed";
     case EventKind::control_refused: return "control_refused";
+    case EventKind::bump_began: return "bump_began";
+    case EventKind::bump_ended: return "bump_ended";
   }
   return "";
 }
@@ -137,6 +149,8 @@ std::string describe(const Event& event) {
     case EventKind::setpoint_lapsed: return "the setpoint was not renewed; the wheels stop";
     case EventKind::control_refused:
       return "the control function asked for speeds that no robot can do; the wheels stop";
+    case EventKind::bump_began: return "the robot bumped into something " + describe(event.bumps);
+    case EventKind::bump_ended: return "nothing touches the bumper any more";
   }
   return "";
 }

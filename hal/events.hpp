@@ -30,6 +30,11 @@ using Hazards = oi::BitSet<Hazard>;
 // What a frame tells of them; none where it has no packet that would.
 Hazards hazards_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
 
+// The bumper's two sides.
+using Bumps = oi::BitSet<oi::Bump>;
+// None where the frame has no packet that would tell.
+Bumps bumps_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+
 enum class EventKind : std::uint8_t {
   mode_lost,     // by itself the robot left the mode it was driven in: `mode`, `hazards`
   rearmed,       // it is back in it, as was asked for
@@ -46,6 +51,8 @@ enum class EventKind : std::uint8_t {
   setpoint_lapsed,  // nobody renewed it: the wheels stop until somebody does
   control_refused,  // the control function asked for speeds that are no number or beyond the
                     // robot's range: the wheels stop until it asks for others
+  bump_began,       // `bumps`: those that were not there before
+  bump_ended,       // the last of them is gone
 };
 
 struct BatteryState {
@@ -65,6 +72,7 @@ struct Event {
   oi::BitSet<oi::Overcurrent> overcurrents{};
   BatteryState battery{};
   std::uint32_t frames = 0;
+  Bumps bumps{};
 };
 
 // An event that finds it full is dropped and counted.

@@ -20,7 +20,8 @@ void add(const Entry& entry, Exchange& exchange, bool& timed) {
     }
     case EntryKind::state: exchange.state = entry.state; break;
     case EntryKind::waited:
-    case EntryKind::ended: break;
+    case EntryKind::ended:
+    case EntryKind::asked: break;
   }
 }
 

@@ -77,11 +77,27 @@ void FlightRecorder::state(const CycleState& state) noexcept CARGOBAY_NONBLOCKIN
   close_block();
 }
 
+void FlightRecorder::asked(const Request& request) noexcept CARGOBAY_NONBLOCKING {
+  constexpr std::size_t kMostBytes = 3 + kMostShortBytes + Request::kMostBytes + 3 * sizeof(double);
+  begin(EntryKind::asked, kMostBytes);
+  put(static_cast<std::uint8_t>(request.kind));
+  put(request.extras.raw());
+  put(static_cast<std::uint8_t>(request.when_long));
+  put_short(request.size);
+  put(request.command());
+  put(request.pose.x_mm);
+  put(request.pose.y_mm);
+  put(request.pose.heading_rad);
+}
+
 StateObserver FlightRecorder::observer() {
   constexpr auto kSee = [](void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
     static_cast<FlightRecorder*>(recorder)->state(state);
   };
-  return {.function = kSee, .context = this};
+  constexpr auto kHear = [](void* recorder, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<FlightRecorder*>(recorder)->asked(request);
+  };
+  return {.function = kSee, .context = this, .request = kHear};
 }
 
 void FlightRecorder::ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING {

@@ -39,7 +39,8 @@ class FlightRecorder {
   void wrote(std::span<const std::uint8_t> offered,
              ByteStream::Transfer transfer) noexcept CARGOBAY_NONBLOCKING;
   void state(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
-  // To be set in the cycle whose recorder this is; it calls state().
+  void asked(const Request& request) noexcept CARGOBAY_NONBLOCKING;
+  // To be set in the cycle whose recorder this is; it calls state() and asked().
   StateObserver observer();
   // The last; makes everything visible.
   void ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING;

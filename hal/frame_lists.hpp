@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "oi/bit_set.hpp"
 #include "oi/commands.hpp"
 #include "oi/stream_budget.hpp"
 
@@ -13,6 +14,10 @@ enum class FrameList : std::uint8_t {
   reading,  // reads the counters for distance and angle
   hazards,  // cliffs and overcurrents
   battery,
+  // Only where somebody asks for them:
+  signals_left,   // wall, cliffs left and front left, as strengths
+  signals_right,  // cliffs front right and right, the inputs of the cargo bay
+  outputs,        // what the robot was told: songs, stream, speeds
 };
 
 // The OI mode travels in every frame: the mode is the robot's to say.
@@ -28,10 +33,24 @@ inline constexpr oi::StreamList kHazardList =
 // Charging state, voltage, current, temperature, charge, capacity.
 inline constexpr oi::StreamList kBatteryList =
     oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(oi::PacketId::oi_mode, oi::PacketId::group_3);
+inline constexpr oi::StreamList kSignalsLeftList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
+    oi::PacketId::oi_mode, oi::PacketId::wall_signal, oi::PacketId::cliff_left_signal,
+    oi::PacketId::cliff_front_left_signal, oi::PacketId::bumps_and_wheel_drops);
+inline constexpr oi::StreamList kSignalsRightList =
+    oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
+        oi::PacketId::oi_mode, oi::PacketId::cliff_front_right_signal,
+        oi::PacketId::cliff_right_signal, oi::PacketId::digital_inputs,
+        oi::PacketId::analog_signal);
+// The mode is in it.
+inline constexpr oi::StreamList kOutputsList =
+    oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(oi::PacketId::group_5);
 
 inline constexpr std::size_t kFrameBytes = oi::frame_bytes(kReadingList);
 static_assert(kFrameBytes == oi::frame_bytes(kHazardList));
 static_assert(kFrameBytes == oi::frame_bytes(kBatteryList));
+static_assert(kFrameBytes == oi::frame_bytes(kSignalsLeftList));
+static_assert(kFrameBytes == oi::frame_bytes(kSignalsRightList));
+static_assert(kFrameBytes == oi::frame_bytes(kOutputsList));
 // Ends on the mark of the PL011's FIFO, on every Raspberry Pi: no wait for its time-out.
 static_assert(kFrameBytes % oi::kPl011HalfFifoPi0To3 == 0);
 static_assert(kFrameBytes % oi::kPl011HalfFifoPi4And5 == 0);
@@ -41,8 +60,22 @@ constexpr const oi::StreamList& packets(FrameList list) {
     case FrameList::reading: return kReadingList;
     case FrameList::hazards: return kHazardList;
     case FrameList::battery: return kBatteryList;
+    case FrameList::signals_left: return kSignalsLeftList;
+    case FrameList::signals_right: return kSignalsRightList;
+    case FrameList::outputs: return kOutputsList;
   }
   return kReadingList;
+}
+
+// Those that are streamed on request only, in the order of FrameList.
+enum class ExtraList : std::uint8_t { signals_left, signals_right, outputs };
+using ExtraLists = oi::BitSet<ExtraList>;
+inline constexpr int kExtraLists = 3;
+inline constexpr ExtraLists kAllExtraLists{(1U << kExtraLists) - 1U};
+
+constexpr FrameList list_of_extra(ExtraList extra) {
+  return static_cast<FrameList>(static_cast<unsigned>(FrameList::signals_left) +
+                                static_cast<unsigned>(extra));
 }
 
 }  // namespace cargobay::hal

@@ -39,6 +39,10 @@ void Outgoing::add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING {
   append({.kind = Kind::fill}, std::span{kZeros}.first(std::min(zeros, kMostFill)));
 }
 
+void Outgoing::add_request(std::span<const std::uint8_t> command) noexcept CARGOBAY_NONBLOCKING {
+  append({.kind = Kind::request}, command);
+}
+
 void Outgoing::append(Piece piece,
                       std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
   if (pieces_.full() || !bytes_.append(bytes)) return;  // by construction there is room
@@ -60,6 +64,7 @@ Outgoing::Taken Outgoing::took(std::size_t count) noexcept CARGOBAY_NONBLOCKING 
     const bool begun = begin < count || (begin == 0 && begins_with_rest_);
     if (whole) note(piece, taken);
     if (!whole && begun) rest = piece;
+    if (begun && piece.kind == Kind::request) taken.request = true;
     if (!whole && piece.kind == Kind::drive) taken.missed_drive = true;
     begin = piece.end;
   }

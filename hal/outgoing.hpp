@@ -5,10 +5,12 @@
 // that were not begun are forgotten, for newer ones take their place.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
 #include "hal/frame_lists.hpp"
+#include "hal/request.hpp"
 #include "oi/command_table.hpp"
 #include "oi/encode.hpp"
 #include "oi/fixed_list.hpp"
@@ -26,6 +28,7 @@ class Outgoing {
     rt::WheelSpeeds speeds{};
     bool missed_drive = false;  // one did not, or not whole
     bool fill = false;
+    bool request = false;  // or begun: its rest comes first in the next write
     bool list = false;
     FrameList streamed = FrameList::reading;
   };
@@ -39,6 +42,8 @@ class Outgoing {
   void add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING;
   // Safe or Full.
   void add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING;
+  // A whole command, as encoded; at most Request::kMostBytes.
+  void add_request(std::span<const std::uint8_t> command) noexcept CARGOBAY_NONBLOCKING;
 
   // All of it, the rest of the former write first.
   std::span<const std::uint8_t> bytes() const noexcept CARGOBAY_NONBLOCKING { return bytes_; }
@@ -50,16 +55,16 @@ class Outgoing {
   Taken took(std::size_t count) noexcept CARGOBAY_NONBLOCKING;
 
  private:
-  enum class Kind : std::uint8_t { drive, list, mode, fill };
+  enum class Kind : std::uint8_t { drive, list, mode, fill, request };
   struct Piece {
     Kind kind = Kind::drive;
     std::size_t end = 0;  // in bytes_
     rt::WheelSpeeds speeds{};
     FrameList list = FrameList::reading;
   };
-  // A Stream list is the longest command.
+  // A Stream list is the longest of the loop's own commands.
   static constexpr std::size_t kMostCommandBytes = 2 + oi::kMaxStreamPackets;
-  static constexpr std::size_t kMostPieces = 5;  // a rest, and one of each kind
+  static constexpr std::size_t kMostPieces = 6;  // a rest, and one of each kind
 
   template <typename Encoded>
   void add(const Piece& piece, const Encoded& encoded) noexcept CARGOBAY_NONBLOCKING {
@@ -71,7 +76,11 @@ class Outgoing {
   void clear() noexcept CARGOBAY_NONBLOCKING;
   void keep(Piece piece, std::size_t from) noexcept CARGOBAY_NONBLOCKING;
 
-  oi::FixedList<std::uint8_t, (kMostPieces - 1) * kMostCommandBytes + kMostFill> bytes_{};
+  // The rest may be that of the longest request, or of a fill.
+  static constexpr std::size_t kMostRestBytes = std::max(Request::kMostBytes, kMostFill);
+  static constexpr std::size_t kMostBytes =
+      kMostRestBytes + 3 * kMostCommandBytes + kMostFill + Request::kMostBytes;
+  oi::FixedList<std::uint8_t, kMostBytes> bytes_{};
   oi::FixedList<Piece, kMostPieces> pieces_{};
   bool begins_with_rest_ = false;
 };

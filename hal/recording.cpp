@@ -41,6 +41,23 @@ bool take_wrote(ByteReader& in, Entry& entry) {
   return true;
 }
 
+bool take_request(ByteReader& in, Request& request) {
+  std::uint8_t extras = 0;
+  std::uint64_t size = 0;
+  std::span<const std::uint8_t> bytes;
+  if (!in.take(request.kind, Request::Kind::pose) || !in.take(extras) ||
+      extras > kAllExtraLists.raw() || !in.take(request.when_long, Request::WhenLong::pause) ||
+      !in.take_short(size) || size > Request::kMostBytes ||
+      !in.take(static_cast<std::size_t>(size), bytes)) {
+    return false;
+  }
+  request.extras = ExtraLists{extras};
+  request.size = static_cast<std::uint8_t>(size);
+  std::ranges::copy(bytes, request.bytes.begin());
+  return in.take(request.pose.x_mm) && in.take(request.pose.y_mm) &&
+         in.take(request.pose.heading_rad);
+}
+
 Failure damaged(std::size_t byte, const std::string& how) {
   return {"is damaged at byte " + std::to_string(byte) + ": " + how +
           "; what stands before it is whole, and kept by: head -c " + std::to_string(byte) +
@@ -100,7 +117,8 @@ bool EntryReader::take(Entry& entry) {
     case EntryKind::read: return take_read(in_, entry);
     case EntryKind::wrote: return take_wrote(in_, entry);
     case EntryKind::state: return take_state(entry.state);
-    case EntryKind::ended: return in_.take(entry.end, CycleEnd::guarded);
+    case EntryKind::ended: return in_.take(entry.end, CycleEnd::control_overrun);
+    case EntryKind::asked: return take_request(in_, entry.request);
   }
   return false;
 }

@@ -26,6 +26,7 @@ struct Entry {
   std::span<const std::uint8_t> bytes{};  // read: all of them; wrote: those offered
   CycleState state{};                     // state
   CycleEnd end{};                         // ended
+  Request request{};                      // asked
 };
 
 // Goes through the entries of one block; they and what they point to are the block's.

@@ -17,6 +17,9 @@
 //           state   nanoseconds since its arrival(n) tick(8) mode(1) remainder(1) lapsed(1)
 //                   battery in mV(4) target, set, estimate, command: left and right(8 each), IEEE
 //           ended   why(1), as enum class CycleEnd
+//           asked   for what(1), which extra lists(1), what if long(1), as hal/request.hpp has
+//           them;
+//                   count(n) the bytes of a command; x, y, heading(8 each, IEEE)
 //           (n): unsigned, seven bits a byte, the least first, the top bit set in all but the last
 //
 // A CRC-32 is that of Ethernet and zip, over everything of its header or block before it.
@@ -43,7 +46,7 @@ inline constexpr std::size_t kMostBlockBytes = 2048;     // of its entries
 inline constexpr std::size_t kMostTransferBytes = 1024;  // of one read or write
 inline constexpr std::size_t kChecksumBytes = 4;
 
-enum class EntryKind : std::uint8_t { waited = 1, clock, read, wrote, state, ended };
+enum class EntryKind : std::uint8_t { waited = 1, clock, read, wrote, state, ended, asked };
 
 // CRC-32 of these bytes; `before` is that of what precedes them.
 std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t before = 0) noexcept;

@@ -41,6 +41,7 @@ std::string_view name(EntryKind kind) {
     case EntryKind::wrote: return "a write";
     case EntryKind::state: return "a tick";
     case EntryKind::ended: return "the end";
+    case EntryKind::asked: return "a request";
   }
   return "";
 }
@@ -121,6 +122,18 @@ class Script {
     return {};
   }
 
+  // What others asked for, as the cycle takes it up in this pass.
+  void give_requests(ControlCycle& cycle) const {
+    Entry entry;
+    for (EntryCursor ahead = cursor_; ahead.next(entry) && entry.kind != EntryKind::waited;) {
+      if (entry.kind == EntryKind::asked) (void)cycle.request(entry.request);  // there was room
+    }
+  }
+  void take_request() {
+    Entry entry;
+    (void)take(EntryKind::asked, entry);  // a difference is noted
+  }
+
   void finish(CycleEnd end) {
     Entry entry;
     if (over() || !take(EntryKind::ended, entry)) return;
@@ -180,6 +193,7 @@ class ReplayStream final : public ByteStream {
       // A silence that it survived had been announced.
       cycle_->expect_silence(script_.ends_here(CycleEnd::link_lost) ? rt::Duration::zero()
                                                                     : std::chrono::hours{1});
+      script_.give_requests(*cycle_);
       return entry.wait;
     });
   }
@@ -227,6 +241,10 @@ rt::WheelSpeeds wanted(void* context, const CycleState& /*state*/,
   return rt::unchecked([context] { return static_cast<const Script*>(context)->wanted(); });
 }
 
+void take_request(void* context, const Request& /*request*/) noexcept CARGOBAY_NONBLOCKING {
+  rt::unchecked([&] { static_cast<Script*>(context)->take_request(); });
+}
+
 void compare(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
   rt::unchecked([&] { static_cast<Script*>(context)->compare(state); });
 }
@@ -245,7 +263,7 @@ Result<ReplayResult> replay(const Recording& recording) {
   const auto cycle = std::make_unique<ControlCycle>(stream, recording.header().parameters);
   stream.attach(*cycle);
   cycle->set_control({.function = &wanted, .context = &script});
-  cycle->set_observer({.function = &compare, .context = &script});
+  cycle->set_observer({.function = &compare, .context = &script, .request = &take_request});
   if (script.ends_here(CycleEnd::asked)) cycle->request_stop();
   script.finish(cycle->run());
   return script.result();

@@ -20,7 +20,7 @@ Failure refused(const rt::RealtimeGrant& grant) {
   std::string message = "real-time rights are required but";
   for (const rt::Refusal& refusal : grant.refusals) message += " " + rt::explain(refusal) + ";";
   message += " or leave out --require-rt";
-  return {std::move(message)};
+  return {std::move(message), std::make_error_code(std::errc::operation_not_permitted)};
 }
 
 // A robot that was lifted sees cliffs as well.
@@ -43,7 +43,7 @@ Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
       recorded_{*stream_, recorder_} {
   options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
   cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);
-  cycle_->set_observer(recorder_.observer());
+  cycle_->set_observer(observer());
 }
 
 Robot::~Robot() { (void)stop(); }
@@ -74,6 +74,7 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
     verdict_.wait(Verdict::pending, std::memory_order_acquire);
     if (verdict_.load(std::memory_order_acquire) == Verdict::run) run();
     ended_.store(true, std::memory_order_release);
+    doorbell_.ring();
   });
   if (!thread_.running()) {
     return Failure{"cannot start the control thread: " + rt::explain(grant.refusals.back())};
@@ -101,9 +102,46 @@ std::optional<Failure> Robot::start_guard() {
 // On the control thread.
 void Robot::run() {
   if (guard_) guard_->begin_driving();
-  farewell_.end = cycle_->run();
-  recorder_.ended(farewell_.end);
+  note_end(cycle_->run());
   if (guard_) guard_->end_driving();
+}
+
+void Robot::note_end(CycleEnd end) {
+  cycle_end_.store(end, std::memory_order_relaxed);  // whoever sees ended_ sees it
+  recorder_.ended(end);
+}
+
+// Recorded first: whoever is woken may look.
+StateObserver Robot::observer() {
+  constexpr auto kSee = [](void* robot, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<Robot*>(robot)->recorder_.state(state);
+    static_cast<Robot*>(robot)->doorbell_.ring();
+  };
+  constexpr auto kHear = [](void* robot, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<Robot*>(robot)->recorder_.asked(request);
+  };
+  return {.function = kSee, .context = this, .request = kHear};
+}
+
+void Robot::start_stepped(const ControlFunction& control) {
+  cycle_->set_control(control);
+  cycle_->begin();
+  stepped_ = true;
+}
+
+Robot::Stepped Robot::step(rt::TimePoint deadline) {
+  const std::uint32_t before = doorbell_.rings();
+  while (!ended()) {
+    if (!cycle_->pass()) {
+      note_end(cycle_->finish());
+      ended_.store(true, std::memory_order_release);
+      doorbell_.ring();
+      return Stepped::ended;
+    }
+    if (doorbell_.rings() != before) return Stepped::frame;
+    if (stream_->now() >= deadline) return Stepped::timed_out;
+  }
+  return Stepped::ended;
 }
 
 RecordingHeader Robot::recording_header() const {
@@ -117,6 +155,8 @@ Robot::Farewell Robot::stop() {
   if (std::exchange(left_, true)) return farewell_;
   cycle_->request_stop();
   thread_.join();
+  if (stepped_) (void)step(rt::TimePoint::max());              // its end, as it was asked to
+  farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join() ordered it
   farewell_.causes = cycle_->mode_loss_causes();
   (void)stream_->set_wake_threshold(
       1);  // leave() reads single bytes; where this fails it times out

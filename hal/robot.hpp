@@ -16,6 +16,7 @@
 #include "hal/recording_header.hpp"
 #include "hal/recording_stream.hpp"
 #include "hal/result.hpp"
+#include "rt/doorbell.hpp"
 #include "rt/realtime.hpp"
 
 namespace cargobay::hal {
@@ -46,6 +47,12 @@ class Robot {
 
   // Starts the guard and the real-time thread, once. A failure leaves the robot standing.
   Result<rt::RealtimeGrant> start(const ControlFunction& control);
+  // The same where time is virtual: no guard and no thread. step() is what runs the cycle, on the
+  // calling thread, until it has answered a frame, has ended, or `deadline` on the stream's clock
+  // has passed.
+  void start_stepped(const ControlFunction& control);
+  enum class Stepped : std::uint8_t { frame, timed_out, ended };
+  Stepped step(rt::TimePoint deadline);
   // The running cycle: state, setpoints, request_stop().
   ControlCycle& cycle() { return *cycle_; }
   const BringUpReport& bring_up_report() const { return report_; }
@@ -70,12 +77,26 @@ class Robot {
   Farewell stop();
   // Whether the cycle has ended, by itself or when asked.
   bool ended() const { return ended_.load(std::memory_order_acquire); }
+  // Then: what stop() will say of it, as far as it is known before.
+  Farewell end_so_far() const {
+    return {.end = cycle_end_.load(std::memory_order_relaxed),  // ended() ordered it
+            .causes = cycle_->mode_loss_causes()};
+  }
+  // Rings once a frame and at the end of the cycle; from any thread.
+  rt::Doorbell& doorbell() { return doorbell_; }
+  std::uint32_t baud() const { return stream_->baud(); }
+  // From the robot's tick to the arrival of the command that answers its frame.
+  double delay_s() const { return options_.cycle.loop.estimator.input_delay_s; }
+  // The time that the cycle goes by.
+  rt::TimePoint now() const { return stream_->now(); }
 
  private:
   Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
         const BringUpReport& report);
   std::optional<Failure> start_guard();
   void run();
+  void note_end(CycleEnd end);
+  StateObserver observer();
 
   std::unique_ptr<ByteStream> stream_;  // outlives cycle_
   RobotOptions options_;
@@ -86,8 +107,11 @@ class Robot {
   std::unique_ptr<Guard> guard_;
   rt::RealtimeThread thread_;
   enum class Verdict : std::uint8_t { pending, run, refused };
-  std::atomic<Verdict> verdict_{Verdict::pending};  // on what the kernel granted
+  std::atomic<Verdict> verdict_{Verdict::pending};    // on what the kernel granted
+  std::atomic<CycleEnd> cycle_end_{CycleEnd::asked};  // farewell_ is the owner's
   std::atomic<bool> ended_{false};
+  bool stepped_ = false;  // start_stepped() was called
+  rt::Doorbell doorbell_{};
   bool left_ = false;
   Farewell farewell_{};
 };

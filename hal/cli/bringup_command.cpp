@@ -15,9 +15,9 @@
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/open_pins.hpp"
+#include "hal/sim/virtual_create.hpp"
 #include "oi/encode.hpp"
 
 namespace cargobay::cli {
@@ -77,11 +77,11 @@ int bring_up(const BringupOptions& options) {
   }
   BringUpRecord record{.port = config->port, .robot = "robot", .baud = *config->baud};
   const bool builtin = options.builtin || config->port.empty();
-  std::unique_ptr<VirtualCreate> create;  // outlives the pins
+  std::unique_ptr<hal::sim::VirtualCreate> create;  // outlives the pins
   hal::OpenPins lines;
   if (builtin) {
     if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
-    auto started = VirtualCreate::start({}, record.baud, 0);
+    auto started = hal::sim::VirtualCreate::start({}, record.baud, 0);
     if (!started) return fail(started.failure());
     create = std::move(*started);
     record.port = create->server().path();

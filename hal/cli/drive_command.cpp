@@ -24,7 +24,6 @@
 #include "hal/cli/profile.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/velocity_plot.hpp"
-#include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/kworker_boost.hpp"
 #include "hal/open_pins.hpp"
@@ -33,6 +32,7 @@
 #include "hal/recording_file.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
+#include "hal/sim/virtual_create.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
 
@@ -156,7 +156,7 @@ int conclude(const DriveReport& report, const DriveOptions& options,
 // What is driven: a robot and the lines to its pins, or a virtual Create.
 struct Plant {
   std::string port;
-  std::unique_ptr<VirtualCreate> create{};
+  std::unique_ptr<hal::sim::VirtualCreate> create{};
   hal::OpenPins lines{};
 
   hal::RobotPins pins() const { return create ? create->pins() : lines.pins(); }
@@ -173,7 +173,8 @@ hal::Result<Plant> find_plant(const DriveOptions& options, const hal::Config& co
   }
   if (options.pins.any_line()) return hal::Failure{"the pins of a robot need its --port"};
   // Above ordinary work, below the loop: a wire does not wait for the CPU.
-  auto started = VirtualCreate::start(parameters(options.sim), *config.baud, priority - 10);
+  auto started =
+      hal::sim::VirtualCreate::start(parameters(options.sim), *config.baud, priority - 10);
   if (!started) return started.failure();
   plant.create = std::move(*started);
   plant.port = plant.create->server().path();

@@ -25,9 +25,9 @@
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/virtual_create.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/jitter/run.hpp"
+#include "hal/sim/virtual_create.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -166,7 +166,7 @@ std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
 }
 
 struct Robot {
-  std::unique_ptr<VirtualCreate> create{};
+  std::unique_ptr<hal::sim::VirtualCreate> create{};
   std::string link{};
 };
 
@@ -178,7 +178,7 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   std::string port = config->port;
   robot.link = fmt::format("{} at {} baud", port, *config->baud);
   if (port.empty()) {
-    auto create = VirtualCreate::start({}, 57600, options.priority + 5);
+    auto create = hal::sim::VirtualCreate::start({}, 57600, options.priority + 5);
     if (!create) return create.failure();
     robot.create = std::move(*create);
     port = robot.create->server().path();

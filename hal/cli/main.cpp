@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
   cli::add_drive(app, chosen);
   cli::add_replay(app, chosen);
   cli::add_plot(app, chosen);
+  cli::add_calibrate(app, chosen);
   cli::add_bringup(app, chosen);
   cli::add_ports(app, chosen);
   cli::add_pins(app, chosen);

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <utility>
 
+#include "hal/masked_thread.hpp"
 #include "hal/sim/control.hpp"
 #include "hal/sim/words.hpp"
 
@@ -122,19 +123,7 @@ ControlSocket::~ControlSocket() {
 }
 
 std::error_code ControlSocket::start() {
-  // Signals are the business of the program's own threads.
-  sigset_t all{};
-  sigset_t before{};
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::error_code error;
-  try {
-    thread_ = std::thread{[this] { run(); }};
-  } catch (const std::system_error& refused) {  // the one way std::thread has to say it
-    error = refused.code();
-  }
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return error;
+  return start_masked(thread_, [this] { run(); });
 }
 
 void ControlSocket::stop() {

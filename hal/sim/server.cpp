@@ -14,6 +14,7 @@
 #include <ctime>
 #include <span>
 
+#include "hal/masked_thread.hpp"
 #include "hal/sim/rate_change.hpp"
 
 namespace cargobay::hal::sim {
@@ -67,18 +68,7 @@ Server::~Server() {
 
 std::error_code Server::start() {
   power_on_ = rt::Clock::now();
-  // Signals are the business of the program's own threads.
-  sigset_t all{};
-  sigset_t before{};
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::error_code error;
-  try {
-    thread_ = std::thread{[this] { run(); }};
-  } catch (const std::system_error& refused) {  // the one way std::thread has to say it
-    error = refused.code();
-  }
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  const std::error_code error = start_masked(thread_, [this] { run(); });
   if (!error && options_.priority > 0) {
     const sched_param parameters{.sched_priority = options_.priority};
     priority_error_ = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters);

@@ -39,6 +39,8 @@ bias = "pull_up"
 [pins.power_sense]
 line = 22
 [robot]
+distance_scale = 1.02
+turn_scale = 0.98
 wheel_base_mm = 260
 lag_s = 0.12
 acceleration_mm_s2 = 800
@@ -69,6 +71,8 @@ require = true
   EXPECT_EQ(parameters.loop.estimator.wheel_base_mm, 260.0);
   EXPECT_EQ(parameters.loop.estimator.lag_s, 0.12);
   EXPECT_EQ(parameters.loop.controller.lag_s, 0.12);
+  EXPECT_EQ(parameters.odometry.distance_scale, 1.02);
+  EXPECT_EQ(parameters.odometry.turn_scale, 0.98);
   EXPECT_EQ(parameters.loop.estimator.remainder, rt::Remainder::lost);
   EXPECT_EQ(parameters.loop.limits.acceleration_mm_s2, 800.0);
   EXPECT_EQ(parameters.loop.limits.jerk_mm_s3, 4000.0);

@@ -37,7 +37,9 @@ class RecordedDrive {
     header.baud = link.baud();
     cycle_ = cycle.get();
     cycle->set_control({.function = &RecordedDrive::control_of, .context = this});
-    cycle->set_observer({.function = &RecordedDrive::record, .context = this});
+    cycle->set_observer({.function = &RecordedDrive::record,
+                         .context = this,
+                         .request = &RecordedDrive::record_request});
     end = cycle->run();
     recorder.ended(end);
   }
@@ -61,6 +63,8 @@ class RecordedDrive {
   RecordingHeader header{.software = "test", .note = "to and fro"};
   CycleEnd end = CycleEnd::asked;
   std::vector<CycleState> states{};
+  // While it runs, for on_frame.
+  ControlCycle& cycle() { return *cycle_; }
 
  private:
   static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/,
@@ -72,6 +76,9 @@ class RecordedDrive {
     auto& self = *static_cast<RecordedDrive*>(context);
     self.recorder.state(state);
     rt::unchecked([&] { self.states.push_back(state); });
+  }
+  static void record_request(void* context, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<RecordedDrive*>(context)->recorder.asked(request);
   }
   rt::WheelSpeeds control(double seconds) {
     if (on_frame) on_frame(++frame_);

@@ -40,6 +40,36 @@ TEST(Replay, IsTheSameForAnUndisturbedDrive) {
   }
 }
 
+Request command(std::initializer_list<std::uint8_t> bytes) {
+  Request request;
+  request.size = static_cast<std::uint8_t>(bytes.size());
+  std::ranges::copy(bytes, request.bytes.begin());
+  return request;
+}
+
+TEST(Replay, IsTheSameWithWhatOthersAskedFor) {
+  RecordedDrive drive;
+  drive.on_frame = [&](int frame) {
+    if (frame % 20 == 0) {
+      EXPECT_TRUE(drive.cycle().request(command({139, 8, 10, 20})));
+    }
+    if (frame % 50 == 0) {
+      EXPECT_TRUE(drive.cycle().request({.kind = Request::Kind::look, .extras = kAllExtraLists}));
+      EXPECT_TRUE(drive.cycle().request(command({151, 7})));
+    }
+    if (frame == 300) {
+      EXPECT_TRUE(drive.cycle().request({.kind = Request::Kind::stream, .extras = kAllExtraLists}));
+    }
+    if (frame == 400) {
+      EXPECT_TRUE(drive.cycle().request({.kind = Request::Kind::pose, .pose = {1.0, 2.0, 3.0}}));
+    }
+  };
+  drive.run(600);
+  const ReplayResult result = replayed(drive.file());
+  EXPECT_EQ(told(result), "");
+  EXPECT_EQ(result.frames, 600U);
+}
+
 // Frames lost, damaged, in pieces; and a silence long enough for the stop.
 void disturb(RecordedDrive& drive, std::mt19937& random) {
   int swallowed = 0;
@@ -136,6 +166,7 @@ std::vector<std::uint8_t> retold(const RecordedDrive& drive, EntryKind kind, int
       case EntryKind::wrote: other.recorder.wrote(bytes, entry.transfer); break;
       case EntryKind::state: other.recorder.state(entry.state); break;
       case EntryKind::ended: other.recorder.ended(entry.end); break;
+      case EntryKind::asked: other.recorder.asked(entry.request); break;
     }
   }
   EXPECT_LT(nth, 0) << "there are not so many";
@@ -146,6 +177,33 @@ TEST(Replay, IsToldTheSameWhereNothingIsChanged) {
   RecordedDrive drive;
   drive.run(500);
   EXPECT_EQ(retold(drive, EntryKind::read, 400, [](auto&, auto&) {}), drive.file());
+}
+
+TEST(Replay, FindsARequestThatWasAnother) {
+  RecordedDrive drive;
+  drive.on_frame = [&](int frame) {
+    if (frame == 100) {
+      EXPECT_TRUE(drive.cycle().request(command({139, 8, 10, 20})));
+    }
+  };
+  drive.run(300);
+  EXPECT_EQ(told(replayed(retold(drive, EntryKind::asked, 0, [](auto&, auto&) {}))), "");
+  const ReplayResult result = replayed(
+      retold(drive, EntryKind::asked, 0, [](Entry& entry, auto&) { entry.request.bytes[2] = 11; }));
+  EXPECT_NE(told(result).find("bytes written"), std::string::npos);
+}
+
+// However a cycle can end, its recording tells.
+TEST(Replay, KnowsEveryEnd) {
+  for (const CycleEnd end : {CycleEnd::asked, CycleEnd::link_lost, CycleEnd::mode_lost,
+                             CycleEnd::hung_up, CycleEnd::guarded, CycleEnd::control_overrun}) {
+    RecordedDrive drive;
+    drive.run(20);
+    const auto file =
+        retold(drive, EntryKind::ended, 0, [end](Entry& entry, auto&) { entry.end = end; });
+    const auto recording = Recording::read(file);
+    EXPECT_TRUE(recording) << static_cast<int>(end);
+  }
 }
 
 TEST(Replay, FindsOneBitOfAByteThatWasRead) {

@@ -103,7 +103,8 @@ TEST(ShortWrite, OfAStopIsTriedUntilItIsWhole) {
   const DriveResult result = drive.run(300, forward);
   EXPECT_EQ(result.end, CycleEnd::link_lost);
   EXPECT_EQ(at_the_end, rt::WheelSpeeds{});
-  EXPECT_EQ(drive.device.counters().unknown_opcodes, 4U) << "zeros, in front of the stop";
+  EXPECT_EQ(drive.device.counters().unknown_opcodes, ControlCycle::kLongestOwnRest)
+      << "zeros, in front of the stop";
 }
 
 TEST(Outgoing, ForgetsCommandsThatWereNotBegun) {

@@ -1,0 +1,238 @@
+// `cargobay calibrate`: measures what kind of robot this is, and writes it to the configuration.
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "hal/calibration.hpp"
+#include "hal/cli/commands.hpp"
+#include "hal/cli/connection.hpp"
+#include "hal/cli/exit_codes.hpp"
+#include "hal/cli/open_for_use.hpp"
+#include "hal/cli/print.hpp"
+#include "hal/cli/signals.hpp"
+#include "hal/cli/sim_options.hpp"
+#include "hal/cli/write_file.hpp"
+#include "hal/config_edit.hpp"
+#include "hal/open_pins.hpp"
+#include "hal/robot.hpp"
+#include "hal/sim/virtual_create.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr int kPriority = 80;
+constexpr std::chrono::milliseconds kPause{100};
+constexpr std::chrono::seconds kWarning{3};
+
+struct CalibrateOptions {
+  PortOptions port{};
+  PinOptions pins{};
+  SimOptions sim{};
+  double speed_mm_s = 200.0;
+  std::string write_file;
+  std::string json_file;
+};
+
+// The control function's.
+struct Pattern {
+  const hal::Calibration* calibration = nullptr;
+  hal::ControlCycle* cycle = nullptr;
+
+  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
+                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+    const auto& self = *static_cast<Pattern*>(context);
+    if (seconds >= hal::Calibration::duration_s()) self.cycle->request_stop();
+    return self.calibration->at(seconds);
+  }
+};
+
+std::string name(rt::RemainderBelief remainder) {
+  switch (remainder) {
+    case rt::RemainderBelief::carried: return "carried";
+    case rt::RemainderBelief::lost: return "lost";
+    case rt::RemainderBelief::unknown: break;
+  }
+  return "unknown";
+}
+
+// Drives the pattern. Returns the signal that ended it early, if one did.
+hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calibration,
+                                      StopSignals& signals) {
+  Pattern pattern{.calibration = &calibration, .cycle = &robot.cycle()};
+  const auto grant = robot.start({.function = &Pattern::control, .context = &pattern});
+  if (!grant) return grant.failure();
+  const bool live = stdout_is_terminal();
+  std::optional<int> signal;
+  hal::CycleState state;
+  while (!robot.ended() && !robot.guard_lost() && !signal) {
+    signal = signals.wait(kPause);
+    while (robot.cycle().next_state(state)) calibration.see(state);
+    if (!live) continue;
+    fmt::print("\r{:5.1f} / {:g} s   speed {:6.1f} {:6.1f} mm/s",
+               static_cast<double>(state.tick) * 0.015, hal::Calibration::duration_s(),
+               state.estimate.left_mm_s, state.estimate.right_mm_s);
+    std::fflush(stdout);
+  }
+  if (live) fmt::print("\r\033[K");
+  const hal::Robot::Farewell farewell = robot.stop();
+  while (robot.cycle().next_state(state)) calibration.see(state);
+  if (signal) return signal;
+  if (farewell.end != hal::CycleEnd::asked) return hal::Failure{hal::explain(farewell)};
+  return signal;
+}
+
+std::string table(const hal::CalibrationResult& result) {
+  return fmt::format(
+      "Wheel base   {:.1f} mm   (four turns within {:.1f} mm)\n"
+      "Lag          {:.0f} ms\n"
+      "Droop        {:.1f} % left, {:.1f} % right   (the loop learns it by itself)\n"
+      "Remainder    {}\n",
+      result.wheel_base_mm, result.wheel_base_spread_mm, 1e3 * result.lag_s,
+      1e2 * result.droop_left, 1e2 * result.droop_right, name(result.remainder));
+}
+
+std::string json(const hal::CalibrationResult& result) {
+  const nlohmann::ordered_json text{
+      {"wheel_base_mm", result.wheel_base_mm},
+      {"wheel_base_spread_mm", result.wheel_base_spread_mm},
+      {"lag_s", result.lag_s},
+      {"droop", {{"left", result.droop_left}, {"right", result.droop_right}}},
+      {"remainder", name(result.remainder)}};
+  return text.dump(2) + "\n";
+}
+
+std::string contents(const std::string& file) {
+  std::ifstream stream{file, std::ios::binary};
+  return {std::istreambuf_iterator<char>{stream}, std::istreambuf_iterator<char>{}};
+}
+
+// Into the file, which is left as it was where something is wrong with it.
+std::optional<hal::Failure> write_config(const std::string& file,
+                                         const hal::CalibrationResult& result) {
+  std::vector<hal::ConfigValue> values{
+      {.key = "wheel_base_mm", .value = fmt::format("{:.1f}", result.wheel_base_mm)},
+      {.key = "lag_s", .value = fmt::format("{:.3f}", std::max(result.lag_s, 0.001))}};
+  if (result.remainder != rt::RemainderBelief::unknown)
+    values.push_back({.key = "remainder", .value = "\"" + name(result.remainder) + "\""});
+  const std::string text = hal::set_values(contents(file), "robot", values);
+  hal::Config config;
+  if (auto failure = hal::read_config(text, file, config)) return failure;
+  return write_file(file, text);
+}
+
+// A configuration that is there already is to be a sound one.
+std::optional<hal::Failure> check(const CalibrateOptions& options) {
+  if (!(options.speed_mm_s >= 100.0 && options.speed_mm_s <= 400.0)) {
+    return hal::Failure{
+        fmt::format("--speed {:g} is not from 100 to 400 mm/s", options.speed_mm_s)};
+  }
+  if (options.write_file == "-")
+    return hal::Failure{"--write needs the name of a file, such as /etc/cargobay.toml"};
+  for (const std::string& file : {options.write_file, options.json_file}) {
+    if (file.empty()) continue;
+    if (auto failure = check_writable(file)) return failure;
+  }
+  hal::Config config;
+  if (options.write_file.empty()) return std::nullopt;
+  return hal::read_config(contents(options.write_file), options.write_file, config);
+}
+
+int calibrate(const CalibrateOptions& options) {
+  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  if (const auto failure = check(options)) return fail(*failure);
+  const auto config = configuration(options.port, options.pins);
+  if (!config) return fail(config.failure());
+  std::unique_ptr<hal::sim::VirtualCreate> create;  // outlives the robot
+  hal::OpenPins lines;
+  hal::RobotOptions wanted;
+  hal::apply(*config, wanted.cycle);
+  hal::Calibration::prepare(wanted.cycle);
+  wanted.realtime = {.priority = config->priority.value_or(kPriority), .cpu = config->cpu};
+  std::string path = config->port;
+  if (path.empty()) {
+    if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
+    auto started = hal::sim::VirtualCreate::start(parameters(options.sim), *config->baud,
+                                                  wanted.realtime.priority - 10);
+    if (!started) return fail(started.failure());
+    create = std::move(*started);
+    path = create->server().path();
+    wanted.pins = create->pins();
+  } else {
+    auto opened = hal::open_pins(config->pins);
+    if (!opened) return fail(opened.failure());
+    lines = std::move(*opened);
+    wanted.pins = lines.pins();
+    print_remark(
+        fmt::format("the robot will go about {:.0f} mm ahead and back, then turn about "
+                    "each wheel, for {:.0f} s; keep the floor free (Ctrl-C stops it)",
+                    2.0 * options.speed_mm_s, hal::Calibration::duration_s()));
+    if (const auto signal = signals.wait(kWarning)) return kSignalled + *signal;
+  }
+  auto stream = open_for_use(path, *config->baud);
+  if (!stream) return fail(stream.failure());
+  std::optional<int> early;
+  wanted.cancelled = [&] {
+    if (!early) early = signals.wait(rt::Duration::zero());
+    return early.has_value();
+  };
+  auto robot = hal::Robot::open(std::move(*stream), wanted);
+  if (early) return kSignalled + *early;
+  if (!robot) return fail(robot.failure());
+
+  hal::Calibration calibration{options.speed_mm_s};
+  const auto driven = drive(**robot, calibration, signals);
+  if (!driven) return fail(driven.failure());
+  if (driven->has_value()) return kSignalled + **driven;
+  const auto result = calibration.result((*robot)->delay_s());
+  if (!result) return fail(result.failure());
+  if (options.json_file != "-") fmt::print("{}", table(*result));
+  if (!options.json_file.empty()) {
+    if (const auto failure = write_file(options.json_file, json(*result))) return fail(*failure);
+  }
+  if (options.write_file.empty()) return kSuccess;
+  if (const auto failure = write_config(options.write_file, *result)) return fail(*failure);
+  if (options.json_file != "-") fmt::print("Written to   {}\n", options.write_file);
+  return kSuccess;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<CalibrateOptions>();
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Measure wheel base, lag and droop of the wheels and the kind of remainder, by driving a "
+      "known\npattern: ahead and back, then turns about each wheel. It needs half a metre of free "
+      "floor around\nthe robot. Without --port, on a virtual Create of its own.");
+  add_port_options(*command, options->port);
+  command->add_option("--speed", options->speed_mm_s, "Speed of the wheels in mm/s, 100 to 400")
+      ->capture_default_str();
+  command->add_option("--write", options->write_file,
+                      "Put what was measured into this configuration file; all else in it stays");
+  command->add_option("--json", options->json_file,
+                      "Write the result to this file; - for standard output");
+  add_pin_options(*command, options->pins);
+  add_sim_options(*command, options->sim);
+  command->footer(
+      "Examples:\n"
+      "  cargobay calibrate --wheel-base 262 --remainder lost\n"
+      "  cargobay calibrate --port /dev/ttyUSB0\n"
+      "  sudo cargobay calibrate --port /dev/ttyUSB0 --write /etc/cargobay.toml");
+  command->callback([options, &chosen] { chosen = [options] { return calibrate(*options); }; });
+}
+
+}  // namespace cargobay::cli

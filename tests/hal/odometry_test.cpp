@@ -1,0 +1,87 @@
+// The odometry of the loop against where the virtual Create is: of both kinds, over many drives.
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "tests/hal/virtual_drive.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+// Some way, with turns, that is another one for each seed.
+rt::WheelSpeeds wandering(double seconds, std::uint64_t seed) {
+  const double phase = static_cast<double>(seed);
+  return {200.0 + 80.0 * std::sin(0.7 * seconds + phase), 200.0 + 80.0 * std::cos(0.5 * seconds)};
+}
+
+struct Errors {
+  double position_mm = 0.0;  // greatest
+  double heading_rad = 0.0;
+  double within = 0.0;  // part of the drives whose end lies within what the covariance says
+};
+
+Errors errors(sim::Remainder kind) {
+  Errors found;
+  constexpr int kDrives = 40;
+  int within = 0;
+  for (std::uint64_t seed = 1; seed <= kDrives; ++seed) {
+    test::VirtualDrive drive{{.remainder = kind, .seed = seed}};
+    sim::Pose truth;
+    drive.on_frame = [&](int /*frame*/, ControlCycle& /*cycle*/) {
+      truth = drive.device.truth().pose;
+    };
+    ControlCycle::Parameters parameters;
+    parameters.loop.estimator.remainder =
+        kind == sim::Remainder::carried ? rt::Remainder::carried : rt::Remainder::lost;
+    const test::DriveResult result =
+        drive.run(1200, [seed](double seconds) { return wandering(seconds, seed); }, parameters);
+    const CycleState& last = result.ticks.back().state;
+    const Eigen::Vector3d error{last.pose.x_mm - truth.x_mm, last.pose.y_mm - truth.y_mm,
+                                last.pose.heading_rad - truth.heading_rad};
+    const Eigen::Matrix3d covariance{last.pose_covariance.data()};
+    found.position_mm = std::max(found.position_mm, std::hypot(error.x(), error.y()));
+    found.heading_rad = std::max(found.heading_rad, std::abs(error.z()));
+    constexpr double kChiSquare99 = 11.34;  // of three degrees of freedom
+    if (error.dot(covariance.inverse() * error) < kChiSquare99) ++within;
+  }
+  found.within = static_cast<double>(within) / kDrives;
+  return found;
+}
+
+// 18 s at about 200 mm/s: 3.6 m.
+TEST(LoopOdometry, IsWithinWhatItsCovarianceSays) {
+  const Errors carried = errors(sim::Remainder::carried);
+  EXPECT_LE(carried.position_mm, 40.0);
+  EXPECT_LE(carried.heading_rad, 0.03);
+  EXPECT_GE(carried.within, 0.95);
+  const Errors lost = errors(sim::Remainder::lost);
+  // Each reading takes up to a degree along, and nobody knows how much.
+  EXPECT_LE(lost.position_mm, 900.0);
+  EXPECT_LE(lost.heading_rad, 0.4);
+  EXPECT_GE(lost.within, 0.8);
+}
+
+TEST(LoopOdometry, KeepsCountOverLostFrames) {
+  test::VirtualDrive drive{{}};
+  int swallowed = 0;
+  drive.line.damage = [&](std::span<std::uint8_t> bytes) {
+    const bool gone = ++swallowed % 15 == 0;
+    return gone ? std::size_t{0} : bytes.size();
+  };
+  sim::Pose truth;
+  drive.on_frame = [&](int /*frame*/, ControlCycle& /*cycle*/) {
+    truth = drive.device.truth().pose;
+  };
+  const test::DriveResult result =
+      drive.run(800, [](double seconds) { return wandering(seconds, 1); });
+  EXPECT_GT(result.frames.lost + result.frames.bad, 30U);
+  const CycleState& last = result.ticks.back().state;
+  EXPECT_NEAR(last.pose.x_mm, truth.x_mm, 120.0);
+  EXPECT_NEAR(last.pose.heading_rad, truth.heading_rad, 0.12);
+}
+
+}  // namespace
+}  // namespace cargobay::hal
