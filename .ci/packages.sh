@@ -1,26 +1,35 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of one purpose, if any is missing.
-# usage: .ci/packages.sh run|quick|test [--list]
-#   run    what examples/run.sh needs: to build the command
-#   quick  what tests/run.sh --quick needs
-#   test   what tests/run.sh needs: sanitizers, lint, cross compiler
+# usage: .ci/packages.sh run|quick|test|package|package-arm64|package-armhf [--list]
+#   run      what examples/run.sh needs: to build the command
+#   quick    what tests/run.sh --quick needs
+#   test     what tests/run.sh needs: sanitizers, lint, cross compilers
+#   package  what .ci/package.sh needs; package-arm64 and package-armhf to cross-compile
 # Asks nothing. Uses sudo only if not root.
 set -euo pipefail
 
 run=(g++ cmake ninja-build pkg-config libc6-dev libeigen3-dev libserialport-dev libgpiod-dev
   libcli11-dev nlohmann-json3-dev libfmt-dev libtomlplusplus-dev)
 quick=("${run[@]}" libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev clang-format-22
-  spin)
+  spin help2man)
 test=("${quick[@]}" clang-22 clang-tidy-22 libclang-rt-22-dev llvm-22 strace
   crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64
   g++-arm-linux-gnueabihf python3 qemu-system-arm device-tree-compiler cpio)
+package=("${run[@]}" dpkg-dev file)
+package_arm64=("${package[@]}" crossbuild-essential-arm64
+  libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64)
+package_armhf=("${package[@]}" crossbuild-essential-armhf
+  libserialport-dev:armhf libgpiod-dev:armhf libfmt-dev:armhf)
 
 case ${1:-} in
   run) wanted=("${run[@]}") ;;
   quick) wanted=("${quick[@]}") ;;
   test) wanted=("${test[@]}") ;;
+  package) wanted=("${package[@]}") ;;
+  package-arm64) wanted=("${package_arm64[@]}") ;;
+  package-armhf) wanted=("${package_armhf[@]}") ;;
   *)
-    sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,8s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac
@@ -71,10 +80,12 @@ apt() {
 }
 
 echo "installing ${#missing[@]} packages"
-if [[ " ${missing[*]} " == *:arm64* && $native != arm64 ]] &&
-  ! dpkg --print-foreign-architectures | grep -qx arm64; then
-  ${as_root[@]+"${as_root[@]}"} dpkg --add-architecture arm64
-fi
+for foreign in arm64 armhf; do
+  if [[ " ${missing[*]} " == *:$foreign* && $native != "$foreign" ]] &&
+    ! dpkg --print-foreign-architectures | grep -qx "$foreign"; then
+    ${as_root[@]+"${as_root[@]}"} dpkg --add-architecture "$foreign"
+  fi
+done
 apt update
 # Debian 12 has clang 22 in its security archive, which a debootstrap root does not list.
 if [[ " ${missing[*]} " == *-22* ]] && ! apt-cache show clang-22 > /dev/null 2>&1; then

@@ -18,10 +18,6 @@
 
 #include "hal/port_lock.hpp"
 
-#ifndef CARGOBAY_GUARD_INSTALLED
-#define CARGOBAY_GUARD_INSTALLED "/usr/libexec/cargobay-guard"
-#endif
-
 namespace cargobay::hal {
 namespace {
 

@@ -3,8 +3,9 @@
 # usage: tests/run.sh [--quick]
 #   --quick  dev build, the tests that are not slow, the layout check: a minute or two once it is built
 # Without it: clang-tidy, the sanitizers for addresses, undefined behaviour, threads and real time,
-# fuzzing (a minute a target; CARGOBAY_FUZZ_SECONDS), the release build and the cross builds for the
-# Raspberry Pi too. Logs are in build/log.
+# fuzzing (a minute a target; CARGOBAY_FUZZ_SECONDS), the pages of the C API, the Debian packages for
+# three architectures, and their use on a fresh Debian and on an emulated Raspberry Pi too. Logs are in
+# build/log.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -14,7 +15,7 @@ for argument in "$@"; do
   case $argument in
     --quick) quick=1 ;;
     *)
-      sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,8s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac
@@ -119,5 +120,13 @@ for preset in asan tsan rtsan; do
   if stage "$preset-build" build "$preset"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
 done
 if stage fuzz-build build fuzz; then stage fuzz-run fuzz || true; fi
-for preset in release aarch64 armhf; do stage "$preset-build" build "$preset" || true; done
+stage c-api docs/c-api.sh --check || true
+for architecture in "$(dpkg --print-architecture)" arm64 armhf; do
+  stage "package-$architecture" .ci/package.sh "$architecture" || true
+done
+as_root=()
+(($(id -u) == 0)) || as_root=(sudo -n)
+stage package-use ${as_root[@]+"${as_root[@]}"} tests/install/package_test.sh build/packages || true
+stage package-pi tests/pi/package_test.py "$(. /etc/os-release && echo "$VERSION_CODENAME")" build/pi \
+  build/packages || true
 finish

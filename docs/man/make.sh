@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# Makes the man pages of the command and of each of its subcommands from their --help, by help2man.
+# cargobay.toml.5 is written by hand.
+# usage: docs/man/make.sh [--check] [COMMAND]
+#   --check  changes nothing; exit 1 where a page is not what would be made, 77 without help2man
+#   COMMAND  the program to ask; by itself build/release/cargobay
+# NAME.inc beside the pages is what help2man adds to NAME.1; common.inc goes to each subcommand.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+check=0 program=$here/../../build/release/cargobay
+for argument in "$@"; do
+  case $argument in
+    --check) check=1 ;;
+    -*)
+      sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
+      exit 2
+      ;;
+    *) program=$argument ;;
+  esac
+done
+[[ -x $program ]] || { echo "make.sh: there is no $program: build it first" >&2; exit 2; }
+if ! command -v help2man > /dev/null; then
+  echo "make.sh: help2man is missing: apt-get install help2man" >&2
+  ((check)) && exit 77
+  exit 2
+fi
+
+made=$(mktemp -d)
+trap 'rm -rf "$made"' EXIT
+
+# The help as help2man reads it best: usage first, and nothing that is for the terminal alone.
+# shellcheck disable=SC2016
+cat > "$made/rearranged" << 'END'
+#!/usr/bin/env bash
+set -euo pipefail
+if [[ $1 == --version ]]; then exec "$CARGOBAY_ASKED" --version; fi
+"$CARGOBAY_ASKED" $CARGOBAY_SUBCOMMAND --help | awk -v name="cargobay $CARGOBAY_SUBCOMMAND" '
+  # CLI11 2.4 and 2.5 print the headings differently.
+  function heading(text) { return toupper(substr(text, 1, 1)) tolower(substr(text, 2)) }
+  /^`cargobay COMMAND --help`/ { next }
+  # A usage line within the description is the better one: it names the arguments.
+  !done && index($0, name " [") == 1 { usage = $0; next }
+  !done && /^[Uu][Ss][Aa][Gg][Ee]: / {
+    if (usage == "") { usage = $0; sub(/^[^:]*: */, "", usage) }
+    done = 1
+    next
+  }
+  !done { description = description $0 "\n"; next }
+  /^(OPTIONS|SUBCOMMANDS|POSITIONALS):$/ { $0 = heading($0) }
+  # Names of options and what they take, apart from what they do.
+  /^  -/ { sub(/,--/, ", --"); sub(/ +$/, "") }
+  /^  --[a-z-]+\{/ { sub(/\{/, "[="); sub(/\}/, "]") }
+  # help2man wants to see where an option ends.
+  { rest = rest $0 "\n" }
+  END { printf "Usage: %s\n\n%s%s", usage, description, rest }
+'
+END
+chmod 755 "$made/rearranged"
+
+# page NAME SUBCOMMAND...: makes NAME.1.
+page() {
+  local name=$1 includes=()
+  shift
+  [[ ! -f $here/$name.inc ]] || includes+=(--include "$here/$name.inc")
+  (($# == 0)) || includes+=(--include "$here/common.inc")
+  # One line, and without the command's own name.
+  local purpose
+  purpose=$(CARGOBAY_ASKED=$program CARGOBAY_SUBCOMMAND="$*" "$made/rearranged" --help |
+    sed -n '3,$p' | tr '\n' ' ' | sed -E 's/[.:;].*//; s/^(.)/\L\1/')
+  (($#)) || purpose='real-time control of the iRobot Create, and a virtual Create'
+  CARGOBAY_ASKED=$program CARGOBAY_SUBCOMMAND="$*" SOURCE_DATE_EPOCH=0 \
+    help2man --no-info --name "$purpose" --source cargobay --manual "Cargobay" --section 1 \
+    --version-string "$("$program" --version)" "${includes[@]}" "$made/rearranged" > "$made/page"
+  # The same each day, and with each version of help2man.
+  sed -E -e 's/^(\.TH ).*/\1'"${name^^}"' 1 "" "cargobay" "Cargobay"/' \
+    -e '/^\.\\" DO NOT MODIFY/c .\\" Made by docs/man/make.sh from the help of the command.' \
+    -e "s/rearranged/$name/g" -e 's/^cargobay \\- /'"$name"' \\- /' "$made/page" > "$made/$name.1"
+}
+
+# Names under "Subcommands:" in the help of the command.
+subcommands() {
+  "$program" "$@" --help |
+    sed -nE '/^(Subcommands|SUBCOMMANDS):/,/^$/s/^  ([a-z][a-z-]*)  .*/\1/p'
+}
+
+page cargobay
+for subcommand in $(subcommands); do
+  page "cargobay-$subcommand" "$subcommand"
+  for further in $(subcommands "$subcommand"); do
+    page "cargobay-$subcommand-$further" "$subcommand" "$further"
+  done
+done
+rm -f "$made/page"
+
+status=0
+for file in "$made"/*.1; do
+  name=${file##*/}
+  if cmp -s "$file" "$here/$name"; then continue; fi
+  if ((check)); then
+    echo "docs/man/$name is not what the command says; run docs/man/make.sh"
+    diff -u "$here/$name" "$file" | head -n 20 || true
+    status=1
+  else
+    cp "$file" "$here/$name"
+    echo "$name"
+  fi
+done
+# Of a subcommand that is gone.
+for file in "$here"/*.1; do
+  [[ -e $file && ! -e $made/${file##*/} ]] || continue
+  if ((check)); then
+    echo "docs/man/${file##*/}: no such command"
+    status=1
+  else
+    rm "$file"
+  fi
+done
+exit "$status"

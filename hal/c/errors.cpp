@@ -1,0 +1,51 @@
+#include "hal/c/errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace cargobay::c {
+namespace {
+
+// In fixed memory: to tell of a lack of memory takes none.
+constexpr std::size_t kMostMessage = 1024;
+thread_local std::array<char, kMostMessage> last_message{};
+
+}  // namespace
+
+int fail(int code, std::string_view message) noexcept {
+  const std::size_t length = std::min(message.size(), kMostMessage - 1);
+  std::memcpy(last_message.data(), message.data(), length);
+  last_message[length] = '\0';
+  return code;
+}
+
+}  // namespace cargobay::c
+
+extern "C" {
+
+const char* cargobay_error_message(void) { return cargobay::c::last_message.data(); }
+
+const char* cargobay_error_name(int error) {
+  switch (error) {
+    case CARGOBAY_OK: return "CARGOBAY_OK";
+    case CARGOBAY_E_ARGUMENT: return "CARGOBAY_E_ARGUMENT";
+    case CARGOBAY_E_HANDLE: return "CARGOBAY_E_HANDLE";
+    case CARGOBAY_E_STATE: return "CARGOBAY_E_STATE";
+    case CARGOBAY_E_CONFIG: return "CARGOBAY_E_CONFIG";
+    case CARGOBAY_E_SYSTEM: return "CARGOBAY_E_SYSTEM";
+    case CARGOBAY_E_PORT: return "CARGOBAY_E_PORT";
+    case CARGOBAY_E_RIGHTS: return "CARGOBAY_E_RIGHTS";
+    case CARGOBAY_E_ROBOT: return "CARGOBAY_E_ROBOT";
+    case CARGOBAY_E_MODE: return "CARGOBAY_E_MODE";
+    case CARGOBAY_E_CONTROL: return "CARGOBAY_E_CONTROL";
+    case CARGOBAY_E_STALLED: return "CARGOBAY_E_STALLED";
+    case CARGOBAY_E_FULL: return "CARGOBAY_E_FULL";
+    case CARGOBAY_E_TIMEOUT: return "CARGOBAY_E_TIMEOUT";
+    default: return "CARGOBAY_E_?";
+  }
+}
+
+const char* cargobay_version(void) { return CARGOBAY_VERSION; }
+
+}  // extern "C"

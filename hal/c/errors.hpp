@@ -1,0 +1,35 @@
+// What a C function returns and leaves behind where it fails: a code, and a line for a person.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "hal/c/cargobay.h"
+#include "hal/result.hpp"
+
+namespace cargobay::c {
+
+// Keeps the message for cargobay_error_message() of this thread; returns the code.
+int fail(int code, std::string_view message) noexcept;
+inline int fail(int code, const hal::Failure& failure) noexcept {
+  return fail(code, std::string_view{failure.message});
+}
+
+// For what cannot be wrong but by the caller.
+inline int bad_argument(std::string_view what) noexcept { return fail(CARGOBAY_E_ARGUMENT, what); }
+
+// Runs a function that returns such a code. No exception goes on into C.
+template <typename Function>
+int guarded(const Function& function) noexcept {
+  try {
+    return function();
+  } catch (const std::bad_alloc&) {
+    return fail(CARGOBAY_E_SYSTEM, "out of memory; free some, or use a machine with more");
+  } catch (const std::exception& error) {
+    return fail(CARGOBAY_E_SYSTEM, std::string{"the system refused: "} + error.what());
+  }
+}
+
+}  // namespace cargobay::c

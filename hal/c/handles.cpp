@@ -1,0 +1,23 @@
+#include "hal/c/handles.hpp"
+
+#include <pthread.h>
+
+namespace cargobay::c {
+namespace {
+
+std::atomic<std::uint32_t> fork_count{0};
+
+}  // namespace
+
+std::uint32_t forks() noexcept CARGOBAY_NONBLOCKING {
+  return fork_count.load(std::memory_order_relaxed);
+}
+
+void count_forks() {
+  // In the child one thread is left, and its memory is its own.
+  static const int registered =
+      pthread_atfork(nullptr, nullptr, [] { fork_count.fetch_add(1, std::memory_order_relaxed); });
+  (void)registered;  // fails for want of memory only: then forks are not noticed
+}
+
+}  // namespace cargobay::c

@@ -1,0 +1,157 @@
+// Handles that C programs hold: numbers that look like pointers, and are never followed. One that
+// was closed, or belongs to the process that this one was forked from, is known as what it is.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::c {
+
+// How often this process was forked, counted in the children.
+std::uint32_t forks() noexcept CARGOBAY_NONBLOCKING;
+void count_forks();
+
+template <typename Object>
+class HandleTable {
+  struct Slot {
+    // Generation (32), open (1), uses under way (31).
+    std::atomic<std::uint64_t> word{0};
+    std::atomic<Object*> object{nullptr};
+    std::atomic<std::uint32_t> forks{0};
+  };
+
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  // The object behind a handle, which is not freed as long as this lives. Empty for a handle that
+  // is no open one.
+  class Use {
+   public:
+    Use() = default;
+    Use(Slot* slot, Object* object, std::size_t index) noexcept
+        : slot_{slot}, object_{object}, index_{index} {}
+    ~Use() { end(); }
+    Use(Use&& other) noexcept
+        : slot_{std::exchange(other.slot_, nullptr)},
+          object_{other.object_},
+          index_{other.index_} {}
+    Use& operator=(Use&& other) noexcept {
+      if (this == &other) return *this;
+      end();
+      slot_ = std::exchange(other.slot_, nullptr);
+      object_ = other.object_;
+      index_ = other.index_;
+      return *this;
+    }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+    explicit operator bool() const noexcept CARGOBAY_NONBLOCKING { return slot_ != nullptr; }
+    Object* operator->() const noexcept CARGOBAY_NONBLOCKING { return object_; }
+    Object& operator*() const noexcept CARGOBAY_NONBLOCKING { return *object_; }
+    std::size_t index() const noexcept CARGOBAY_NONBLOCKING { return index_; }
+
+   private:
+    void end() noexcept CARGOBAY_NONBLOCKING {
+      // Pairs with the wait in close(): what was done with the object is done.
+      if (slot_ != nullptr) slot_->word.fetch_sub(1, std::memory_order_release);
+      slot_ = nullptr;
+    }
+
+    Slot* slot_ = nullptr;
+    Object* object_ = nullptr;
+    std::size_t index_ = 0;
+  };
+
+  // Null where kMost are open already. The table owns the object from then on.
+  void* open(std::unique_ptr<Object> object) {
+    count_forks();
+    const std::lock_guard lock{opening_};
+    for (std::size_t i = 0; i < kMost; ++i) {
+      Slot& slot = slots_[i];
+      const std::uint64_t word = slot.word.load(std::memory_order_acquire);
+      // One that a parent left open is not this process's to reuse.
+      if ((word & (kOpen | kUses)) != 0 || slot.object.load(std::memory_order_relaxed) != nullptr)
+        continue;
+      const std::uint64_t generation = (word >> kGenerationShift) % kMostGeneration + 1;
+      slot.object.store(object.release(), std::memory_order_relaxed);
+      slot.forks.store(forks(), std::memory_order_relaxed);
+      // Pairs with use(): whoever sees the slot open sees the object.
+      slot.word.store(generation << kGenerationShift | kOpen, std::memory_order_release);
+      return handle(generation, i);
+    }
+    return nullptr;
+  }
+
+  // Lock-free.
+  Use use(const void* handle) noexcept CARGOBAY_NONBLOCKING {
+    std::size_t index = 0;
+    std::uint64_t generation = 0;
+    if (!read(handle, index, generation)) return {};
+    Slot& slot = slots_[index];
+    std::uint64_t word = slot.word.load(std::memory_order_relaxed);
+    do {
+      if (word >> kGenerationShift != generation || (word & kOpen) == 0) return {};
+      // Acquire pairs with open().
+    } while (!slot.word.compare_exchange_weak(word, word + 1, std::memory_order_acquire,
+                                              std::memory_order_relaxed));
+    Use use{&slot, slot.object.load(std::memory_order_relaxed), index};
+    if (slot.forks.load(std::memory_order_relaxed) != forks()) return {};
+    return use;
+  }
+
+  // From now on the handle is a closed one. Calls `end` on the object, then waits until nobody uses
+  // it any more, and frees it. False for a handle that is no open one.
+  template <typename End>
+  bool close(const void* handle, const End& end) {
+    Use use = this->use(handle);
+    if (!use) return false;
+    Slot& slot = slots_[use.index()];
+    if ((slot.word.fetch_and(~kOpen, std::memory_order_relaxed) & kOpen) == 0) return false;
+    end(*use);
+    Object* object = &*use;
+    use = Use{};
+    // Acquire pairs with the end of each use.
+    while ((slot.word.load(std::memory_order_acquire) & kUses) != 0) {
+      std::this_thread::sleep_for(std::chrono::microseconds{100});
+    }
+    delete object;
+    slot.object.store(nullptr, std::memory_order_release);
+    return true;
+  }
+
+ private:
+  static constexpr unsigned kGenerationShift = 32;
+  static constexpr std::uint64_t kOpen = std::uint64_t{1} << 31U;
+  static constexpr std::uint64_t kUses = kOpen - 1;
+  // A pointer has 32 bits on the smaller Pi: 8 for the slot, the rest for the generation.
+  static constexpr unsigned kSlotBits = 8;
+  static constexpr std::uint64_t kMostGeneration = (1U << 22U) - 1;
+
+  static void* handle(std::uint64_t generation, std::size_t index) noexcept {
+    const auto number = static_cast<std::uintptr_t>(generation << kSlotBits | index);
+    return reinterpret_cast<void*>(number << 1U | 1U);  // odd: never a pointer to anything
+  }
+  static bool read(const void* handle, std::size_t& index,
+                   std::uint64_t& generation) noexcept CARGOBAY_NONBLOCKING {
+    const auto number = reinterpret_cast<std::uintptr_t>(handle);
+    if ((number & 1U) == 0) return false;
+    index = (number >> 1U) % (1U << kSlotBits);
+    generation = number >> 1U >> kSlotBits;
+    return index < kMost;
+  }
+
+  std::mutex opening_;
+  std::array<Slot, kMost> slots_{};
+};
+
+}  // namespace cargobay::c

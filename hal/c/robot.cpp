@@ -1,0 +1,374 @@
+// The life of a robot: open, start, stop, close.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "hal/bring_up.hpp"
+#include "hal/c/cargobay.h"
+#include "hal/c/errors.hpp"
+#include "hal/c/robot_object.hpp"
+#include "hal/c/sized.hpp"
+#include "hal/c/text.hpp"
+#include "hal/config.hpp"
+#include "hal/forwarding_stream.hpp"
+#include "hal/open_port.hpp"
+#include "oi/baud.hpp"
+
+namespace cargobay::c {
+namespace {
+
+constexpr int kDefaultPriority = 80;
+constexpr std::uint32_t kKnownFlags = CARGOBAY_REQUIRE_REALTIME | CARGOBAY_NO_GUARD |
+                                      CARGOBAY_HOLD_ON_MODE_LOSS | CARGOBAY_OPEN_LOOP |
+                                      CARGOBAY_PIN_CPU | CARGOBAY_NO_CONFIG;
+
+bool has(const cargobay_options& options, cargobay_flag flag) {
+  return (options.flags & static_cast<std::uint32_t>(flag)) != 0;
+}
+// 0 is the default.
+bool sensible(double value, double least, double most) {
+  return value == 0.0 || (value >= least && value <= most);
+}
+bool sensible(std::uint32_t value, std::uint32_t least, std::uint32_t most) {
+  return value == 0 || (value >= least && value <= most);
+}
+
+// Empty where all is in its range.
+std::string complaint(const cargobay_options& options) {
+  if ((options.flags & ~kKnownFlags) != 0)
+    return "`flags` has bits that this library does not know; use a newer one";
+  if (options.port != nullptr && options.sim != nullptr)
+    return "a robot has a `port` or is a `sim`, not both";
+  if (options.mode != 0 && options.mode != CARGOBAY_MODE_SAFE && options.mode != CARGOBAY_MODE_FULL)
+    return "`mode` is CARGOBAY_MODE_SAFE or CARGOBAY_MODE_FULL: in no other does it drive";
+  if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
+    return "`remainder` is one of enum cargobay_remainder";
+  if (options.baud != 0 && !oi::baud_code(options.baud))
+    return "`baud` is one of the robot's rates: 57600, 19200, ...";
+  if (options.priority != 0 && (options.priority < 1 || options.priority > 98))
+    return "`priority` is 1 to 98, or 0 for the default";
+  if (has(options, CARGOBAY_PIN_CPU) && (options.cpu < 0 || options.cpu > 1023))
+    return "`cpu` is 0 to 1023";
+  if (!sensible(options.setpoint_lapse_ms, 20, 60'000)) return "`setpoint_lapse_ms` is 20 to 60000";
+  if (!sensible(options.control_budget_us, 10, 1'000'000))
+    return "`control_budget_us` is 10 to 1000000";
+  if (!sensible(options.control_overruns, 1, 1'000'000))
+    return "`control_overruns` is 1 to 1000000";
+  if (!sensible(options.link_timeout_ms, 200, 600'000)) return "`link_timeout_ms` is 200 to 600000";
+  if (!sensible(options.guard_deadline_ms, 40, 10'000)) return "`guard_deadline_ms` is 40 to 10000";
+  if (!sensible(options.acceleration_mm_s2, 1.0, 100'000.0))
+    return "`acceleration_mm_s2` is 1 to 100000";
+  if (!sensible(options.jerk_mm_s3, 1.0, 10'000'000.0)) return "`jerk_mm_s3` is 1 to 10000000";
+  if (!sensible(options.wheel_base_mm, 50.0, 1000.0)) return "`wheel_base_mm` is 50 to 1000";
+  if (!sensible(options.distance_scale, 0.5, 2.0) || !sensible(options.turn_scale, 0.5, 2.0))
+    return "`distance_scale` and `turn_scale` are 0.5 to 2";
+  return "";
+}
+
+// What the program says stands above what the file says.
+void lay_over(const cargobay_options& options, hal::Config& config) {
+  if (options.port != nullptr) config.port = options.port;
+  if (options.baud != 0) config.baud = options.baud;
+  if (options.priority != 0) config.priority = options.priority;
+  if (has(options, CARGOBAY_PIN_CPU)) config.cpu = options.cpu;
+  if (has(options, CARGOBAY_REQUIRE_REALTIME)) config.require_realtime = true;
+  if (options.acceleration_mm_s2 != 0.0) config.acceleration_mm_s2 = options.acceleration_mm_s2;
+  if (options.jerk_mm_s3 != 0.0) config.jerk_mm_s3 = options.jerk_mm_s3;
+  if (options.wheel_base_mm != 0.0) config.wheel_base_mm = options.wheel_base_mm;
+  if (options.distance_scale != 0.0) config.distance_scale = options.distance_scale;
+  if (options.turn_scale != 0.0) config.turn_scale = options.turn_scale;
+  if (options.remainder == CARGOBAY_REMAINDER_CARRIED) config.remainder = rt::Remainder::carried;
+  if (options.remainder == CARGOBAY_REMAINDER_LOST) config.remainder = rt::Remainder::lost;
+}
+
+hal::RobotOptions robot_options(const cargobay_options& options, const hal::Config& config) {
+  using std::chrono::milliseconds;
+  hal::RobotOptions robot;
+  hal::apply(config, robot.cycle);
+  hal::ControlCycle::Parameters& cycle = robot.cycle;
+  if (has(options, CARGOBAY_OPEN_LOOP)) cycle.loop.feedback = rt::WheelLoop::Feedback::open;
+  if (options.mode == CARGOBAY_MODE_FULL) cycle.drive_mode = oi::Mode::full;
+  if (has(options, CARGOBAY_HOLD_ON_MODE_LOSS)) cycle.on_mode_loss = hal::OnModeLoss::hold;
+  if (options.setpoint_lapse_ms != 0)
+    cycle.setpoint_lapse = milliseconds{options.setpoint_lapse_ms};
+  if (options.control_budget_us != 0)
+    cycle.control_budget = std::chrono::microseconds{options.control_budget_us};
+  if (options.control_overruns != 0)
+    cycle.control_overruns_allowed = static_cast<int>(options.control_overruns);
+  if (options.link_timeout_ms != 0) cycle.link_timeout = milliseconds{options.link_timeout_ms};
+  robot.realtime = {.priority = config.priority.value_or(kDefaultPriority), .cpu = config.cpu};
+  robot.require_realtime = config.require_realtime;
+  if (has(options, CARGOBAY_NO_GUARD)) robot.guard.use = hal::GuardOptions::Use::none;
+  if (options.guard_deadline_ms != 0)
+    robot.guard.deadline = milliseconds{options.guard_deadline_ms};
+  if (options.progress != nullptr) {
+    robot.progress = [tell = options.progress,
+                      context = options.progress_context](const hal::BringUpEvent& event) {
+      tell(context, event.step.c_str(), event.detail.c_str());
+    };
+  }
+  return robot;
+}
+
+// A robot borrows the link of a virtual Create, which lives longer.
+class BorrowedLink final : public hal::ForwardingStream {
+ public:
+  explicit BorrowedLink(hal::ByteStream& link) : ForwardingStream{link} {}
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+    return stream().wait(deadline);
+  }
+  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return stream().read(bytes);
+  }
+  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return stream().write(bytes);
+  }
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream().now(); }
+};
+
+// The virtual Create's end of the line, or a code.
+int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& object,
+             std::unique_ptr<hal::ByteStream>& stream) {
+  object.sim = sims().use(options.sim);
+  if (!object.sim) {
+    return fail(CARGOBAY_E_HANDLE,
+                "`sim` is closed, or the parent process's; open one with cargobay_sim_open()");
+  }
+  if (object.sim->taken.exchange(true)) {
+    object.sim = {};  // whose it is stays
+    return fail(CARGOBAY_E_STATE,
+                "another robot is this virtual Create already; close it, or open a second one");
+  }
+  object.virtual_time = object.sim->in_virtual_time();
+  if (object.virtual_time) {
+    hal::sim::VirtualLink& link = *object.sim->link;
+    link.discard_input();
+    if (link.set_baud(baud)) return bad_argument("`baud` cannot be set");
+    if (link.set_wake_threshold(1)) return bad_argument("the link cannot be set up");
+    stream = std::make_unique<BorrowedLink>(link);
+    return CARGOBAY_OK;
+  }
+  auto opened = hal::open_port(object.sim->server->path(), baud);
+  if (!opened) return fail(CARGOBAY_E_PORT, opened.failure());
+  stream = std::move(opened->stream);
+  return CARGOBAY_OK;
+}
+
+int take_port(const hal::Config& config, std::uint32_t baud, hal::RobotOptions& options,
+              RobotObject& object, std::unique_ptr<hal::ByteStream>& stream) {
+  std::string path = config.port;
+  if (path.empty()) {
+    // Above ordinary work, below the loop: a wire does not wait for the CPU.
+    auto started =
+        hal::sim::VirtualCreate::start({}, baud, std::max(options.realtime.priority - 10, 0));
+    if (!started) return fail(CARGOBAY_E_SYSTEM, started.failure());
+    object.own = std::move(*started);
+    options.pins = object.own->pins();
+    path = object.own->server().path();
+  } else {
+    auto lines = hal::open_pins(config.pins);
+    if (!lines) return fail(CARGOBAY_E_PORT, lines.failure());
+    object.lines = std::move(*lines);
+    options.pins = object.lines.pins();
+  }
+  auto opened = hal::open_port(path, baud);
+  if (!opened) return fail(CARGOBAY_E_PORT, opened.failure());
+  stream = std::move(opened->stream);
+  return CARGOBAY_OK;
+}
+
+int open_robot(const cargobay_options& options, cargobay_robot** handle) {
+  if (const std::string wrong = complaint(options); !wrong.empty())
+    return fail(CARGOBAY_E_ARGUMENT, wrong);
+  hal::Config config;
+  if (!has(options, CARGOBAY_NO_CONFIG)) {
+    auto loaded = hal::load_config(options.config != nullptr ? options.config : "");
+    if (!loaded) return fail(CARGOBAY_E_CONFIG, loaded.failure());
+    config = std::move(*loaded);
+  }
+  lay_over(options, config);
+  const std::uint32_t baud = config.baud.value_or(oi::kDefaultBaud);
+  if (!oi::baud_code(baud))
+    return fail(CARGOBAY_E_CONFIG, "the robot has no " + std::to_string(baud) +
+                                       " baud, which the configuration asks for; use 57600");
+  hal::RobotOptions wanted = robot_options(options, config);
+  auto object = std::make_unique<RobotObject>();
+  std::unique_ptr<hal::ByteStream> stream;
+  const int failed = options.sim != nullptr ? take_sim(options, baud, *object, stream)
+                                            : take_port(config, baud, wanted, *object, stream);
+  if (failed != CARGOBAY_OK) return failed;
+  object->wheel_base_mm = wanted.cycle.loop.estimator.wheel_base_mm;
+  if (options.record != nullptr) object->record_file = options.record;
+  auto opened = hal::Robot::open(std::move(stream), wanted);
+  if (!opened) return fail(CARGOBAY_E_ROBOT, opened.failure());
+  object->robot = std::move(*opened);
+  *handle = static_cast<cargobay_robot*>(robots().open(std::move(object)));
+  if (*handle == nullptr)
+    return fail(CARGOBAY_E_SYSTEM, "64 robots are open; close those that are not used");
+  return CARGOBAY_OK;
+}
+
+int record(RobotObject& object) {
+  if (object.record_file.empty()) return CARGOBAY_OK;
+  hal::RecordingHeader header = object.robot->recording_header();
+  header.software = "libcargobay " CARGOBAY_VERSION;
+  auto writer =
+      hal::RecordingWriter::create(object.record_file, header, object.robot->flight_recorder());
+  if (!writer) return fail(CARGOBAY_E_SYSTEM, writer.failure());
+  object.recording = std::move(*writer);
+  if (object.virtual_time) return CARGOBAY_OK;
+  if (const std::error_code error = object.recording->start(); error) {
+    return fail(CARGOBAY_E_SYSTEM, "cannot start the thread that records: " + error.message() +
+                                       "; raise the limit of threads");
+  }
+  return CARGOBAY_OK;
+}
+
+int start(RobotObject& object) {
+  if (object.life.load() != RobotObject::Life::open) {
+    return fail(CARGOBAY_E_STATE,
+                "the loop was started before; a robot starts once, then a new one is to be opened");
+  }
+  if (const int failed = record(object); failed != CARGOBAY_OK) return failed;
+  const hal::ControlFunction control =
+      object.control == nullptr
+          ? hal::ControlFunction{}
+          : hal::ControlFunction{.function = &call_control, .context = &object};
+  if (object.virtual_time) {
+    object.robot->start_stepped(control);
+    object.grant.emplace();
+  } else {
+    auto grant = object.robot->start(control);
+    if (!grant) {
+      object.life.store(RobotObject::Life::stopped, std::memory_order_release);
+      const bool refused = grant.failure().code == std::errc::operation_not_permitted;
+      return fail(refused ? CARGOBAY_E_RIGHTS : CARGOBAY_E_SYSTEM, grant.failure());
+    }
+    object.grant = *grant;
+  }
+  object.life.store(RobotObject::Life::running, std::memory_order_release);
+  return CARGOBAY_OK;
+}
+
+void end(RobotObject& object) {
+  if (!object.farewell) object.farewell = object.robot->stop();
+  object.life.store(RobotObject::Life::stopped, std::memory_order_release);
+  if (!object.recording) return;
+  if (const auto& failure = object.recording->finish()) object.unrecorded_why = failure->message;
+}
+
+int stop(RobotObject& object) {
+  if (const int early = object.must_be_started(); early != CARGOBAY_OK) return early;
+  end(object);
+  const hal::Robot::Farewell& farewell = *object.farewell;
+  if (const int code = object.end_of_loop(farewell); code != CARGOBAY_OK) return code;
+  if (farewell.guard_lost) {
+    return fail(CARGOBAY_E_SYSTEM,
+                "the guard process died while the robot drove; find out who killed it (dmesg tells "
+                "of memory running out)");
+  }
+  if (!farewell.confirmed_passive) {
+    return fail(CARGOBAY_E_ROBOT,
+                "the robot was told to stop and go Passive, but did not confirm; look at it, and "
+                "press its power button if it moves");
+  }
+  if (!object.unrecorded_why.empty()) return fail(CARGOBAY_E_SYSTEM, object.unrecorded_why);
+  return CARGOBAY_OK;
+}
+
+// Runs `function` on the robot for the thread that owns it now.
+template <typename Function>
+int owned(cargobay_robot* robot, const char* name, const Function& function) {
+  if (in_control()) return not_from_control(name);
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    const std::unique_lock lock{use->owner, std::try_to_lock};
+    if (!lock) {
+      return fail(CARGOBAY_E_STATE,
+                  "another thread is inside a function of this robot's owner; "
+                  "let one thread own it");
+    }
+    return function(*use);
+  });
+}
+
+}  // namespace
+}  // namespace cargobay::c
+
+using namespace cargobay::c;  // NOLINT(google-build-using-namespace): what C sees stands below
+
+extern "C" {
+
+int cargobay_open(const struct cargobay_options* options, struct cargobay_robot** robot) {
+  if (robot == nullptr) return bad_argument("`robot` is NULL: give the address of a pointer");
+  *robot = nullptr;
+  if (in_control()) return not_from_control("cargobay_open");
+  cargobay_options known{};
+  if (options != nullptr && !take(options, known)) {
+    return bad_argument(
+        "cargobay_options: set `size` to its sizeof, and what is not used to 0; a newer program's "
+        "options need a newer library");
+  }
+  return guarded([&] { return open_robot(known, robot); });
+}
+
+int cargobay_close(struct cargobay_robot* robot) {
+  if (in_control()) return not_from_control("cargobay_close");
+  return guarded([&] {
+    const bool closed = robots().close(robot, [](RobotObject& object) {
+      object.robot->cycle().request_stop();
+      const std::lock_guard lock{object.owner};
+      end(object);
+    });
+    return closed ? static_cast<int>(CARGOBAY_OK) : no_robot();
+  });
+}
+
+int cargobay_set_control(struct cargobay_robot* robot, cargobay_control control, void* context) {
+  return owned(robot, "cargobay_set_control", [&](RobotObject& object) {
+    if (object.life.load() != RobotObject::Life::open) {
+      return fail(CARGOBAY_E_STATE,
+                  "the loop was started already; a control function is set before that");
+    }
+    object.control = control;
+    object.context = context;
+    return static_cast<int>(CARGOBAY_OK);
+  });
+}
+
+int cargobay_start(struct cargobay_robot* robot) {
+  return owned(robot, "cargobay_start", [](RobotObject& object) { return start(object); });
+}
+
+int cargobay_stop(struct cargobay_robot* robot) {
+  return owned(robot, "cargobay_stop", [](RobotObject& object) { return stop(object); });
+}
+
+int cargobay_request_stop(struct cargobay_robot* robot) {
+  const RobotUse use = robots().use(robot);
+  if (!use) return CARGOBAY_E_HANDLE;  // a message is not for signal handlers
+  use->robot->cycle().request_stop();
+  return CARGOBAY_OK;
+}
+
+int cargobay_get_bring_up(struct cargobay_robot* robot, struct cargobay_bring_up* bring_up) {
+  const RobotUse use = robots().use(robot);
+  if (!use) return no_robot();
+  const cargobay::hal::BringUpReport& report = use->robot->bring_up_report();
+  cargobay_bring_up known{};
+  known.found_baud = report.found_baud;
+  known.baud = use->robot->baud();
+  known.rate_change = static_cast<std::int32_t>(report.rate_change);
+  known.powered_on = report.powered_on ? 1 : 0;
+  known.resynchronised = report.resynchronised ? 1 : 0;
+  known.brc_pulses =
+      static_cast<std::int32_t>(std::ranges::count_if(report.brc.pulses(), [](const auto& played) {
+        return played.wanted.level == cargobay::gpio::Level::low;
+      }));
+  known.battery_mv = report.battery_mv;
+  known.took_ns = report.took.count();
+  return give(known, bring_up) ? static_cast<int>(CARGOBAY_OK) : bad_argument(kBadOut);
+}
+
+}  // extern "C"

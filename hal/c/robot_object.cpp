@@ -1,0 +1,150 @@
+#include "hal/c/robot_object.hpp"
+
+#include <exception>
+
+#include "hal/c/errors.hpp"
+#include "oi/limits.hpp"
+#include "rt/unchecked.hpp"
+
+namespace cargobay::c {
+namespace {
+
+thread_local bool control_runs = false;
+
+// Of what the OI calls the wheels, to the C API's.
+cargobay_wheels c_wheels(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+  return {.left_mm_s = speeds.left_mm_s, .right_mm_s = speeds.right_mm_s};
+}
+
+std::int32_t c_remainder(rt::RemainderBelief belief) noexcept CARGOBAY_NONBLOCKING {
+  switch (belief) {
+    case rt::RemainderBelief::unknown: return CARGOBAY_REMAINDER_UNKNOWN;
+    case rt::RemainderBelief::carried: return CARGOBAY_REMAINDER_CARRIED;
+    case rt::RemainderBelief::lost: return CARGOBAY_REMAINDER_LOST;
+  }
+  return CARGOBAY_REMAINDER_UNKNOWN;
+}
+
+int code_of(hal::CycleEnd end) noexcept {
+  switch (end) {
+    case hal::CycleEnd::asked: return CARGOBAY_OK;
+    case hal::CycleEnd::link_lost: return CARGOBAY_E_ROBOT;
+    case hal::CycleEnd::mode_lost: return CARGOBAY_E_MODE;
+    case hal::CycleEnd::hung_up: return CARGOBAY_E_PORT;
+    case hal::CycleEnd::guarded: return CARGOBAY_E_STALLED;
+    case hal::CycleEnd::control_overrun: return CARGOBAY_E_CONTROL;
+  }
+  return CARGOBAY_E_SYSTEM;
+}
+
+}  // namespace
+
+RobotObject::~RobotObject() {
+  robot.reset();  // what it drives and is recorded by goes behind it
+  recording.reset();
+  if (sim) sim->taken.store(false);
+}
+
+int RobotObject::must_be_started() const noexcept {
+  if (life.load(std::memory_order_acquire) == Life::open)
+    return fail(CARGOBAY_E_STATE, "the loop was not started; call cargobay_start() first");
+  return CARGOBAY_OK;
+}
+
+int RobotObject::must_run() const noexcept {
+  if (const int early = must_be_started(); early != CARGOBAY_OK) return early;
+  if (life.load(std::memory_order_acquire) == Life::stopped || robot->ended()) {
+    return fail(CARGOBAY_E_STATE,
+                "the loop has ended; cargobay_stop() says why, and a new robot is to be opened");
+  }
+  return CARGOBAY_OK;
+}
+
+int RobotObject::end_of_loop(const hal::Robot::Farewell& end) const {
+  if (control_threw.load()) {
+    return fail(CARGOBAY_E_CONTROL,
+                "an exception left the control function, and the robot was stopped; catch it "
+                "there");
+  }
+  const int code = code_of(end.end);
+  return code == CARGOBAY_OK ? code : fail(code, hal::explain(end));
+}
+
+int RobotObject::request(const hal::Request& wanted) {
+  const std::lock_guard lock{requests};
+  if (robot->cycle().request(wanted)) return CARGOBAY_OK;
+  return fail(CARGOBAY_E_FULL,
+              "32 requests wait for their turn already, one goes out in a frame; try again later");
+}
+
+HandleTable<RobotObject>& robots() {
+  static HandleTable<RobotObject>& table = *new HandleTable<RobotObject>;  // until the very end
+  return table;
+}
+
+int no_robot() noexcept {
+  return fail(CARGOBAY_E_HANDLE,
+              "this robot is NULL, closed, or the parent process's; open one with cargobay_open()");
+}
+
+bool in_control() noexcept { return control_runs; }
+
+int not_from_control(const char* function) noexcept {
+  return guarded([&] {
+    return fail(CARGOBAY_E_STATE,
+                std::string{function} +
+                    "() waits for the loop, and the loop for this control function; call "
+                    "cargobay_request_stop() here, and this from another thread");
+  });
+}
+
+rt::WheelSpeeds call_control(void* object, const hal::CycleState& state,
+                             double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+  auto& robot = *static_cast<RobotObject*>(object);
+  // The program's own; how long it takes is watched by the cycle, and by the guard.
+  return rt::unchecked([&]() noexcept -> rt::WheelSpeeds {
+    const cargobay_state seen = c_state(robot, state);
+    cargobay_wheels wheels{};
+    control_runs = true;
+    try {
+      robot.control(robot.context, &seen, &wheels);
+    } catch (...) {
+      robot.control_threw.store(true);
+      robot.robot->cycle().request_stop();
+      wheels = {};
+    }
+    control_runs = false;
+    return {wheels.left_mm_s, wheels.right_mm_s};
+  });
+}
+
+cargobay_state c_state(const RobotObject& robot,
+                       const hal::CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  cargobay_state seen{};
+  seen.size = sizeof seen;
+  seen.mode = static_cast<std::int32_t>(state.mode);
+  seen.tick = state.tick;
+  seen.time_ns = state.tick * rt::Duration{oi::kTick}.count();
+  seen.arrival_ns = rt::nanoseconds(state.arrival);
+  seen.target = c_wheels(state.target);
+  seen.set = c_wheels(state.set);
+  seen.estimate = c_wheels(state.estimate);
+  seen.command = c_wheels(state.command);
+  const rt::WheelSpeeds& speeds = state.estimate;
+  seen.velocity_mm_s = (speeds.left_mm_s + speeds.right_mm_s) / 2.0;
+  seen.turn_rate_rad_s = (speeds.right_mm_s - speeds.left_mm_s) / robot.wheel_base_mm;
+  seen.x_mm = state.pose.x_mm;
+  seen.y_mm = state.pose.y_mm;
+  seen.heading_rad = state.pose.heading_rad;
+  seen.distance_mm = state.distance_mm;
+  for (std::size_t i = 0; i < state.pose_covariance.size(); ++i)
+    seen.covariance[i] = state.pose_covariance[i];
+  seen.remainder = c_remainder(state.remainder);
+  seen.setpoint_lapsed = state.setpoint_lapsed ? 1 : 0;
+  seen.hazards = state.hazards.raw();
+  seen.bumps = state.bumps.raw();
+  seen.battery_mv = state.battery_mv;
+  return seen;
+}
+
+}  // namespace cargobay::c

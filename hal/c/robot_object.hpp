@@ -1,0 +1,82 @@
+// The robot behind a handle.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "hal/c/cargobay.h"
+#include "hal/c/handles.hpp"
+#include "hal/c/sim_object.hpp"
+#include "hal/open_pins.hpp"
+#include "hal/recording_writer.hpp"
+#include "hal/robot.hpp"
+#include "hal/sim/virtual_create.hpp"
+
+struct cargobay_robot;  // the handle
+
+namespace cargobay::c {
+
+struct RobotObject {
+  RobotObject() = default;
+  ~RobotObject();
+  RobotObject(const RobotObject&) = delete;
+  RobotObject& operator=(const RobotObject&) = delete;
+
+  enum class Life : std::uint8_t { open, running, stopped };
+
+  // Each of these is CARGOBAY_OK, or the error of a function that is called too early or too late.
+  int must_run() const noexcept;
+  int must_be_started() const noexcept;
+
+  // What the end of its loop was, as an error with its message; CARGOBAY_OK where it was asked to
+  // end.
+  int end_of_loop(const hal::Robot::Farewell& farewell) const;
+
+  // Puts a request into the cycle's ring: CARGOBAY_OK or CARGOBAY_E_FULL. From any thread; locks.
+  int request(const hal::Request& request);
+
+  HandleTable<SimObject>::Use sim{};               // that is the robot, if any
+  std::unique_ptr<hal::sim::VirtualCreate> own{};  // where no port was named
+  hal::OpenPins lines{};
+  std::unique_ptr<hal::Robot> robot{};  // destroyed before what it drives
+  std::unique_ptr<hal::RecordingWriter> recording{};
+  std::string record_file{};
+  double wheel_base_mm = 0.0;
+  bool virtual_time = false;
+
+  cargobay_control control = nullptr;
+  void* context = nullptr;
+  std::atomic<bool> control_threw{false};
+
+  std::atomic<Life> life{Life::open};
+  std::optional<rt::RealtimeGrant> grant{};  // once started
+  std::optional<hal::Robot::Farewell> farewell{};
+  std::string unrecorded_why{};  // empty where nothing went wrong
+
+  std::mutex owner;     // of start, stop, set_control; in virtual time of everything
+  std::mutex requests;  // the one producer of the cycle's ring
+  std::mutex events;    // the one consumer of its events
+};
+
+HandleTable<RobotObject>& robots();
+using RobotUse = HandleTable<RobotObject>::Use;
+
+// The error for a handle that is no open one.
+int no_robot() noexcept;
+
+// Whether this thread is in a control function, of whatever robot.
+bool in_control() noexcept;
+int not_from_control(const char* function) noexcept;
+
+// The control function that calls the program's; its context is the RobotObject.
+rt::WheelSpeeds call_control(void* object, const hal::CycleState& state,
+                             double seconds) noexcept CARGOBAY_NONBLOCKING;
+
+// As C programs see it.
+cargobay_state c_state(const RobotObject& robot,
+                       const hal::CycleState& state) noexcept CARGOBAY_NONBLOCKING;
+
+}  // namespace cargobay::c

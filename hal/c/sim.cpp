@@ -1,0 +1,231 @@
+// The functions of the virtual Create.
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "hal/c/cargobay.h"
+#include "hal/c/errors.hpp"
+#include "hal/c/sim_object.hpp"
+#include "hal/c/sized.hpp"
+#include "hal/c/text.hpp"
+#include "hal/sim/control.hpp"
+#include "oi/baud.hpp"
+
+namespace cargobay::c {
+namespace {
+
+using hal::sim::Device;
+
+int no_sim() noexcept {
+  return fail(CARGOBAY_E_HANDLE,
+              "this virtual Create is NULL, closed, or the parent process's; open one with "
+              "cargobay_sim_open()");
+}
+
+bool within(double value, double least, double most) { return value >= least && value <= most; }
+
+// Empty where all is in its range.
+std::string complaint(const cargobay_sim_options& options) {
+  if (options.time < CARGOBAY_SIM_REAL || options.time > CARGOBAY_SIM_VIRTUAL)
+    return "`time` is CARGOBAY_SIM_REAL or CARGOBAY_SIM_VIRTUAL";
+  if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
+    return "`remainder` is one of enum cargobay_remainder";
+  if (options.boot_baud != 0 && !oi::baud_code(options.boot_baud))
+    return "`boot_baud` is one of the robot's rates: 57600, 19200, ...";
+  if (options.time == CARGOBAY_SIM_VIRTUAL && options.link != nullptr)
+    return "in virtual time there is no pseudo-terminal to `link` to";
+  if (options.lag_s != 0.0 && !within(options.lag_s, 0.001, 10.0))
+    return "`lag_s` is 0 or 0.001 to 10";
+  if (!within(options.droop_left, 0.0, 0.9) || !within(options.droop_right, 0.0, 0.9))
+    return "`droop_left` and `droop_right` are 0 to 0.9";
+  if (!(std::abs(options.noise_mm_s) <= 100.0)) return "`noise_mm_s` is at most 100";
+  if (options.wheel_base_mm != 0.0 && !within(options.wheel_base_mm, 50.0, 1000.0))
+    return "`wheel_base_mm` is 0 or 50 to 1000";
+  return "";
+}
+
+hal::sim::Parameters parameters(const cargobay_sim_options& options) {
+  hal::sim::Parameters robot;
+  if (options.seed != 0) robot.seed = options.seed;
+  if (options.remainder == CARGOBAY_REMAINDER_LOST) robot.remainder = hal::sim::Remainder::lost;
+  if (options.boot_baud != 0) robot.boot_baud = options.boot_baud;
+  hal::sim::WheelParameters& wheels = robot.wheels;
+  if (options.lag_s != 0.0) wheels.lag_s = options.lag_s;
+  if (options.droop_left != 0.0) wheels.droop_left = options.droop_left;
+  if (options.droop_right != 0.0) wheels.droop_right = options.droop_right;
+  if (options.noise_mm_s != 0.0) wheels.noise_mm_s = std::max(options.noise_mm_s, 0.0);
+  if (options.wheel_base_mm != 0.0) wheels.wheel_base_mm = options.wheel_base_mm;
+  return robot;
+}
+
+int start_in_real_time(const cargobay_sim_options& options, SimObject& sim) {
+  auto server = hal::sim::Server::open(parameters(options),
+                                       {.link = options.link != nullptr ? options.link : ""});
+  if (!server) return fail(CARGOBAY_E_SYSTEM, server.failure());
+  sim.server = std::move(*server);
+  sim.server->with_device([&sim](Device& device) { hal::sim::inhabit(device, sim.world); });
+  if (const std::error_code error = sim.server->start(); error) {
+    return fail(CARGOBAY_E_SYSTEM, "cannot start the thread of the virtual Create: " +
+                                       error.message() + "; raise the limit of threads");
+  }
+  return CARGOBAY_OK;
+}
+
+void start_in_virtual_time(const cargobay_sim_options& options, SimObject& sim) {
+  sim.device = std::make_unique<Device>(parameters(options));
+  hal::sim::inhabit(*sim.device, sim.world);
+  sim.link = std::make_unique<hal::sim::VirtualLink>(*sim.device);
+}
+
+int open_sim(const cargobay_sim_options& options, cargobay_sim** handle) {
+  if (const std::string wrong = complaint(options); !wrong.empty())
+    return fail(CARGOBAY_E_ARGUMENT, wrong);
+  hal::sim::World world;
+  if (options.world != nullptr) {
+    auto loaded = hal::sim::World::load(options.world);
+    if (!loaded) return fail(CARGOBAY_E_CONFIG, loaded.failure());
+    world = std::move(*loaded);
+  }
+  auto sim = std::make_unique<SimObject>(std::move(world));
+  if (options.time == CARGOBAY_SIM_VIRTUAL) {
+    start_in_virtual_time(options, *sim);
+  } else if (const int failed = start_in_real_time(options, *sim); failed != 0) {
+    return failed;
+  }
+  *handle = static_cast<cargobay_sim*>(sims().open(std::move(sim)));
+  if (*handle == nullptr)
+    return fail(CARGOBAY_E_SYSTEM, "64 virtual Creates are open; close those that are not used");
+  return CARGOBAY_OK;
+}
+
+cargobay_truth truth_of(const hal::sim::Cable& cable) {
+  const Device& device = cable.device();
+  const hal::sim::Truth truth = device.truth();
+  cargobay_truth known{};
+  known.mode = static_cast<std::int32_t>(device.mode());
+  known.time_ns = device.now().count();
+  known.left_mm_s = truth.speeds.left_mm_s;
+  known.right_mm_s = truth.speeds.right_mm_s;
+  known.x_mm = truth.pose.x_mm;
+  known.y_mm = truth.pose.y_mm;
+  known.heading_rad = truth.pose.heading_rad;
+  known.commanded_left_mm_s = static_cast<std::int32_t>(std::lround(device.commanded().left_mm_s));
+  known.commanded_right_mm_s =
+      static_cast<std::int32_t>(std::lround(device.commanded().right_mm_s));
+  return known;
+}
+
+}  // namespace
+
+void SimObject::with_cable(const std::function<void(hal::sim::Cable&)>& change) {
+  if (in_virtual_time()) {
+    change(link->cable());
+  } else {
+    server->with_cable(change);
+  }
+}
+
+HandleTable<SimObject>& sims() {
+  static HandleTable<SimObject>& table = *new HandleTable<SimObject>;  // until the very end
+  return table;
+}
+
+}  // namespace cargobay::c
+
+using namespace cargobay::c;  // NOLINT(google-build-using-namespace): what C sees stands below
+using cargobay::hal::sim::Cable;
+
+extern "C" {
+
+int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargobay_sim** sim) {
+  if (sim == nullptr) return bad_argument("`sim` is NULL: give the address of a pointer");
+  *sim = nullptr;
+  cargobay_sim_options known{};
+  if (options != nullptr && !take(options, known)) {
+    return bad_argument(
+        "cargobay_sim_options: set `size` to its sizeof, and what is not used to 0; a newer "
+        "program's options need a newer library");
+  }
+  return guarded([&] { return open_sim(known, sim); });
+}
+
+int cargobay_sim_close(struct cargobay_sim* sim) {
+  return guarded([&] {
+    {
+      const auto use = sims().use(sim);
+      if (!use) return no_sim();
+      if (use->taken.load()) {
+        return fail(CARGOBAY_E_STATE,
+                    "an open robot is this virtual Create; close it first, with cargobay_close()");
+      }
+    }
+    const bool closed = sims().close(sim, [](SimObject& ended) {
+      if (ended.server) ended.server->stop();
+    });
+    return closed ? static_cast<int>(CARGOBAY_OK) : no_sim();
+  });
+}
+
+int cargobay_sim_path(struct cargobay_sim* sim, char* path, size_t path_size) {
+  if (path == nullptr) return bad_argument("`path` is NULL: give it room for the path");
+  return guarded([&] {
+    const auto use = sims().use(sim);
+    if (!use) return no_sim();
+    if (use->in_virtual_time()) {
+      return fail(CARGOBAY_E_STATE,
+                  "in virtual time there is no pseudo-terminal; open it in real time");
+    }
+    return copy_text(use->server->path(), path, path_size);
+  });
+}
+
+int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer,
+                        size_t answer_size) {
+  if (line == nullptr) return bad_argument("`line` is NULL: give it a command, as \"bump left\"");
+  return guarded([&] {
+    const auto use = sims().use(sim);
+    if (!use) return no_sim();
+    std::string said;
+    use->with_cable([&](Cable& cable) { said = cargobay::hal::sim::control(line, cable); });
+    constexpr std::string_view kError = "error: ";
+    if (said.starts_with(kError)) {
+      return fail(CARGOBAY_E_ARGUMENT, said.substr(kError.size()));
+    }
+    return copy_text(said, answer, answer_size);
+  });
+}
+
+int cargobay_sim_truth(struct cargobay_sim* sim, struct cargobay_truth* truth) {
+  return guarded([&] {
+    const auto use = sims().use(sim);
+    if (!use) return no_sim();
+    cargobay_truth known{};
+    use->with_cable([&](Cable& cable) { known = truth_of(cable); });
+    if (!give(known, truth)) return bad_argument(kBadOut);
+    return static_cast<int>(CARGOBAY_OK);
+  });
+}
+
+int cargobay_sim_advance(struct cargobay_sim* sim, int64_t duration_ns) {
+  if (duration_ns < 0) return bad_argument("`duration_ns` is negative: time goes one way");
+  return guarded([&] {
+    const auto use = sims().use(sim);
+    if (!use) return no_sim();
+    const cargobay::rt::Duration duration{duration_ns};
+    if (!use->in_virtual_time()) {
+      std::this_thread::sleep_for(duration);
+      return static_cast<int>(CARGOBAY_OK);
+    }
+    const std::unique_lock lock{use->owner, std::try_to_lock};
+    if (!lock || use->taken.load()) {
+      return fail(CARGOBAY_E_STATE,
+                  "a robot, or another thread, moves the time of this virtual Create: use "
+                  "cargobay_wait() of the robot");
+    }
+    use->link->advance(duration);
+    return static_cast<int>(CARGOBAY_OK);
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,37 @@
+// The virtual Create behind a handle, in either kind of time.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "hal/c/handles.hpp"
+#include "hal/sim/device.hpp"
+#include "hal/sim/server.hpp"
+#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/world.hpp"
+
+struct cargobay_sim;  // the handle
+
+namespace cargobay::c {
+
+struct SimObject {
+  explicit SimObject(hal::sim::World surroundings) : world{std::move(surroundings)} {}
+
+  bool in_virtual_time() const { return device != nullptr; }
+  // Runs `change` on the robot and its line as they are now.
+  void with_cable(const std::function<void(hal::sim::Cable&)>& change);
+
+  hal::sim::World world;                       // outlives what lives in it
+  std::unique_ptr<hal::sim::Server> server{};  // in real time
+  std::unique_ptr<hal::sim::Device> device{};  // in virtual time, with the link that moves it
+  std::unique_ptr<hal::sim::VirtualLink> link{};
+  std::atomic<bool> taken{false};  // a robot is it
+  std::mutex owner;                // of the time, where it is virtual
+};
+
+HandleTable<SimObject>& sims();
+
+}  // namespace cargobay::c

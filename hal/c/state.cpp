@@ -1,0 +1,276 @@
+// What a program gets to know: states, events, sensors; and waiting for them.
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "hal/c/cargobay.h"
+#include "hal/c/errors.hpp"
+#include "hal/c/robot_object.hpp"
+#include "hal/c/sized.hpp"
+#include "hal/c/text.hpp"
+#include "hal/events.hpp"
+#include "hal/frame_lists.hpp"
+#include "oi/packet_table.hpp"
+
+namespace cargobay::c {
+namespace {
+
+using hal::Robot;
+
+// What this thread has been given of each robot: how often its doorbell had rung.
+struct Seen {
+  const void* robot = nullptr;  // the handle, which is never used twice
+  std::uint32_t rings = 0;
+};
+thread_local std::array<Seen, HandleTable<RobotObject>::kMost> seen_rings{};
+
+constexpr std::int64_t kForEver = std::int64_t{1} << 60U;  // ns
+
+// The end of the wait on a clock that says `now`.
+rt::TimePoint deadline(rt::TimePoint now, std::int64_t timeout_ns) {
+  const bool for_ever = timeout_ns < 0 || timeout_ns > kForEver - rt::nanoseconds(now);
+  return for_ever ? rt::TimePoint{rt::Duration{kForEver}} : now + rt::Duration{timeout_ns};
+}
+
+int too_late(const RobotObject& object) {
+  if (const int code = object.end_of_loop(object.robot->end_so_far()); code != CARGOBAY_OK)
+    return code;
+  return fail(CARGOBAY_E_STATE,
+              "the loop was asked to end, and has; no frame comes any more: cargobay_stop()");
+}
+
+int timed_out() {
+  return fail(CARGOBAY_E_TIMEOUT,
+              "no frame came in time; every 15 ms one does where all is well: wait longer");
+}
+
+int wait_stepped(RobotObject& object, std::int64_t timeout_ns) {
+  const std::unique_lock lock{object.owner, std::try_to_lock};
+  if (!lock)
+    return fail(CARGOBAY_E_STATE, "another thread moves the virtual time of this robot already");
+  const Robot::Stepped stepped = object.robot->step(deadline(object.robot->now(), timeout_ns));
+  if (object.recording) object.recording->append();
+  switch (stepped) {
+    case Robot::Stepped::frame: return CARGOBAY_OK;
+    case Robot::Stepped::timed_out: return timed_out();
+    case Robot::Stepped::ended: return too_late(object);
+  }
+  return CARGOBAY_OK;
+}
+
+int wait_in_real_time(cargobay_robot* robot, const RobotUse& use, std::int64_t timeout_ns) {
+  Seen& seen = seen_rings[use.index()];
+  rt::Doorbell& bell = use->robot->doorbell();
+  if (seen.robot != robot) seen = {.robot = robot, .rings = bell.rings()};
+  const rt::TimePoint until = deadline(rt::Clock::now(), timeout_ns);
+  if (use->robot->ended()) return too_late(*use);
+  if (!bell.wait(seen.rings, until)) return timed_out();
+  seen.rings = bell.rings();
+  if (use->robot->ended()) return too_late(*use);
+  return CARGOBAY_OK;
+}
+
+int wait_for_frame(cargobay_robot* robot, const RobotUse& use, std::int64_t timeout_ns) {
+  if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
+  if (use->life.load() == RobotObject::Life::stopped) return use->must_run();
+  return use->virtual_time ? wait_stepped(*use, timeout_ns)
+                           : wait_in_real_time(robot, use, timeout_ns);
+}
+
+int no_frame_yet() {
+  return fail(CARGOBAY_E_TIMEOUT,
+              "no frame has come yet; cargobay_wait() for the first behind cargobay_start()");
+}
+
+cargobay_event c_event(const hal::Event& event) {
+  cargobay_event known{};
+  known.size = sizeof known;
+  known.kind = static_cast<std::int32_t>(event.what);
+  known.tick = event.tick;
+  known.time_ns = rt::nanoseconds(event.time);
+  known.mode = static_cast<std::int32_t>(event.mode);
+  known.hazards = event.hazards.raw();
+  known.overcurrents = event.overcurrents.raw();
+  known.frames = event.frames;
+  known.bumps = event.bumps.raw();
+  known.voltage_mv = event.battery.voltage_mv;
+  known.charge_mah = event.battery.charge_mah;
+  known.capacity_mah = event.battery.capacity_mah;
+  return known;
+}
+
+hal::Event event_of(const cargobay_event& known) {
+  const auto bits = [](std::uint32_t raw) { return static_cast<std::uint8_t>(raw); };
+  hal::Event event;
+  event.what = static_cast<hal::EventKind>(known.kind);
+  event.mode = static_cast<oi::Mode>(bits(static_cast<std::uint32_t>(known.mode)));
+  event.hazards = hal::Hazards{bits(known.hazards)};
+  event.overcurrents = oi::BitSet<oi::Overcurrent>{bits(known.overcurrents)};
+  event.frames = known.frames;
+  event.bumps = hal::Bumps{bits(known.bumps)};
+  event.battery = {.voltage_mv = known.voltage_mv,
+                   .charge_mah = known.charge_mah,
+                   .capacity_mah = known.capacity_mah};
+  return event;
+}
+
+static_assert(static_cast<int>(hal::EventKind::bump_ended) == CARGOBAY_EVENT_BUMP_ENDED);
+static_assert(static_cast<int>(hal::EventKind::frames_lost) == CARGOBAY_EVENT_FRAMES_LOST);
+static_assert(hal::Hazards{}.with(hal::Hazard::charger).raw() == CARGOBAY_CHARGER);
+
+// The extra list that has the packet; none where it comes by itself.
+hal::ExtraLists list_with(int packet) {
+  using hal::ExtraList;
+  if (packet >= CARGOBAY_PACKET_WALL_SIGNAL && packet <= CARGOBAY_PACKET_CLIFF_FRONT_LEFT_SIGNAL)
+    return hal::ExtraLists{}.with(ExtraList::signals_left);
+  if (packet >= CARGOBAY_PACKET_CLIFF_FRONT_RIGHT_SIGNAL && packet <= CARGOBAY_PACKET_ANALOG_SIGNAL)
+    return hal::ExtraLists{}.with(ExtraList::signals_right);
+  if (packet >= CARGOBAY_PACKET_SONG_NUMBER) return hal::ExtraLists{}.with(ExtraList::outputs);
+  return {};
+}
+
+int query(cargobay_robot* robot, const RobotUse& use, int packet, std::int64_t timeout_ns,
+          std::int32_t& value) {
+  if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
+  hal::ControlCycle& cycle = use->robot->cycle();
+  const auto now = cycle.state();
+  // What is sampled behind this tick is sampled behind the call.
+  const std::int64_t since = now ? now->tick + 1 : 0;
+  if (const hal::ExtraLists list = list_with(packet); list.any()) {
+    hal::Request look;
+    look.kind = hal::Request::Kind::look;
+    look.extras = list;
+    if (const int failed = use->request(look); failed != CARGOBAY_OK) return failed;
+  }
+  const auto clock = [&] { return use->virtual_time ? use->robot->now() : rt::Clock::now(); };
+  const rt::TimePoint until = deadline(clock(), timeout_ns);
+  for (;;) {
+    const std::int64_t left = std::max<std::int64_t>((until - clock()).count(), 0);
+    if (const int failed = wait_for_frame(robot, use, left); failed != CARGOBAY_OK) return failed;
+    const auto board = cycle.sensors();
+    const auto slot = static_cast<std::size_t>(packet);
+    if (!board || board->tick[slot] <= since) continue;
+    value = board->value[slot];
+    return CARGOBAY_OK;
+  }
+}
+
+}  // namespace
+}  // namespace cargobay::c
+
+using namespace cargobay::c;  // NOLINT(google-build-using-namespace): what C sees stands below
+using cargobay::hal::Request;
+
+extern "C" {
+
+int cargobay_get_state(struct cargobay_robot* robot, struct cargobay_state* state) {
+  const RobotUse use = robots().use(robot);
+  if (!use) return no_robot();
+  const auto known = use->robot->cycle().state();
+  if (!known) return no_frame_yet();
+  return give(c_state(*use, *known), state) ? static_cast<int>(CARGOBAY_OK) : bad_argument(kBadOut);
+}
+
+int cargobay_wait(struct cargobay_robot* robot, int64_t timeout_ns, struct cargobay_state* state) {
+  if (in_control()) return not_from_control("cargobay_wait");
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    if (state != nullptr && state->size < kLeastSize) return bad_argument(kBadOut);
+    if (const int failed = wait_for_frame(robot, use, timeout_ns); failed != CARGOBAY_OK)
+      return failed;
+    return state == nullptr ? static_cast<int>(CARGOBAY_OK) : cargobay_get_state(robot, state);
+  });
+}
+
+int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_mm,
+                            double heading_rad) {
+  if (!std::isfinite(x_mm) || !std::isfinite(y_mm) || !std::isfinite(heading_rad))
+    return bad_argument("the pose is no number");
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
+    Request request;
+    request.kind = Request::Kind::pose;
+    request.pose = {.x_mm = x_mm, .y_mm = y_mm, .heading_rad = heading_rad};
+    return use->request(request);
+  });
+}
+
+int cargobay_next_event(struct cargobay_robot* robot, struct cargobay_event* event) {
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    if (event == nullptr || event->size < kLeastSize) return bad_argument(kBadOut);
+    cargobay::hal::Event next;
+    const std::lock_guard lock{use->events};
+    if (!use->robot->cycle().next_event(next)) return 0;
+    (void)give(c_event(next), event);  // looked at above
+    return 1;
+  });
+}
+
+int cargobay_describe_event(const struct cargobay_event* event, char* text, size_t text_size) {
+  if (text == nullptr) return bad_argument("`text` is NULL: give it room, 200 characters do");
+  return guarded([&] {
+    cargobay_event known{};
+    if (!take(event, known)) return bad_argument("`event` is NULL or not of cargobay_next_event()");
+    if (known.kind < 0 || known.kind > CARGOBAY_EVENT_BUMP_ENDED)
+      return bad_argument("this library knows no event of that kind");
+    return copy_text(cargobay::hal::describe(event_of(known)), text, text_size);
+  });
+}
+
+const char* cargobay_packet_name(int packet) {
+  const bool single = packet >= CARGOBAY_PACKET_BUMPS_AND_WHEEL_DROPS && packet < CARGOBAY_PACKETS;
+  // Of the table of packets, whose keys are literals.
+  return single ? cargobay::oi::find_packet(static_cast<std::uint8_t>(packet))->key.data() : "";
+}
+
+int cargobay_get_sensors(struct cargobay_robot* robot, struct cargobay_sensors* sensors) {
+  const RobotUse use = robots().use(robot);
+  if (!use) return no_robot();
+  const auto board = use->robot->cycle().sensors();
+  if (!board) return no_frame_yet();
+  cargobay_sensors known{};
+  static_assert(cargobay::hal::SensorBoard::kSlots == CARGOBAY_PACKETS);
+  for (std::size_t i = 0; i < CARGOBAY_PACKETS; ++i) {
+    known.value[i] = board->value[i];
+    known.tick[i] = board->tick[i];
+  }
+  return give(known, sensors) ? static_cast<int>(CARGOBAY_OK) : bad_argument(kBadOut);
+}
+
+int cargobay_subscribe(struct cargobay_robot* robot, uint32_t extras) {
+  if ((extras & ~std::uint32_t{cargobay::hal::kAllExtraLists.raw()}) != 0)
+    return bad_argument("`extras` has bits that this library does not know");
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
+    Request request;
+    request.kind = Request::Kind::stream;
+    request.extras = cargobay::hal::ExtraLists{static_cast<std::uint8_t>(extras)};
+    return use->request(request);
+  });
+}
+
+int cargobay_query(struct cargobay_robot* robot, int packet, int64_t timeout_ns, int32_t* value) {
+  if (in_control()) return not_from_control("cargobay_query");
+  if (value == nullptr) return bad_argument("`value` is NULL: give the address of an int32_t");
+  if (packet < CARGOBAY_PACKET_BUMPS_AND_WHEEL_DROPS || packet >= CARGOBAY_PACKETS)
+    return bad_argument("`packet` is 7 to 42: groups are asked for packet by packet");
+  if (packet == CARGOBAY_PACKET_DISTANCE || packet == CARGOBAY_PACKET_ANGLE) {
+    return bad_argument(
+        "distance and angle are the loop's, which each read would take from it; use the odometry "
+        "of cargobay_state");
+  }
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    return query(robot, use, packet, timeout_ns, *value);
+  });
+}
+
+}  // extern "C"

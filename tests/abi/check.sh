@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# What a program may rely on: one that was compiled against the first header runs with this library,
+# one that was compiled against a later header runs as far as this library knows what it asks for,
+# and nothing that was there is gone or different.
+# usage: tests/abi/check.sh LIBRARY COMMAND [--dump]
+#   LIBRARY  libcargobay.so, with debug information
+#   COMMAND  the command cargobay, which the programs replay their recordings with
+#   --dump   writes tests/abi/libcargobay.so.0.abi anew: when a version is released, not before
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+library=$(realpath "${1:?usage: tests/abi/check.sh LIBRARY COMMAND [--dump]}")
+command=$(realpath "${2:?usage: tests/abi/check.sh LIBRARY COMMAND [--dump]}")
+dump=tests/abi/libcargobay.so.0.abi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+dumped() { abidw --exported-interfaces-only --headers-dir hal/c --drop-private-types --no-show-locs --no-corpus-path --no-comp-dir-path "$library"; }
+if [[ ${3:-} == --dump ]]; then
+  dumped > "$dump"
+  echo "wrote $dump"
+  exit
+fi
+
+# run NAME HEADER-FOLDER SOURCE...: compiles with that header, runs with this library.
+run() {
+  local name=$1 headers=$2
+  shift 2
+  ${CC:-cc} -std=c99 -I "$headers" -I tests/capi -o "$work/$name" "$@" "$library" -lm
+  if CARGOBAY_COMMAND=$command CARGOBAY_GUARD=$(dirname "$command")/cargobay-guard \
+    LD_LIBRARY_PATH=$(dirname "$library") CARGOBAY_SANITIZED=1 "$work/$name"; then
+    echo "ok: $name"
+  else
+    echo "check.sh: $name does not run" >&2
+    failed=1
+  fi
+}
+
+run first_header tests/abi/first tests/capi/virtual_time.c
+# Every struct that may grow has grown.
+mkdir "$work/later"
+awk '
+  /^struct cargobay_[a-z_]+ [{]$/ { inside = 1; grows = 0 }
+  inside && /^  uint32_t size;/ { grows = 1 }
+  inside && /^[}];$/ { if (grows) { print "  uint64_t of_a_later_version[4];"; ++count } inside = 0 }
+  { print }
+  END { if (count < 9) { print "found hardly a struct that grows" > "/dev/stderr"; exit 1 } }
+' hal/c/cargobay.h > "$work/later/cargobay.h"
+run later_header "$work/later" tests/capi/virtual_time.c
+
+if [[ $(uname -m) != x86_64 ]]; then
+  echo "no dump of this architecture: not compared"
+elif ! command -v abidiff > /dev/null; then
+  echo "check.sh: abidiff is missing: apt-get install abigail-tools" >&2
+  failed=1
+else
+  dumped > "$work/now.abi"
+  # What was added is no harm.
+  abidiff --no-added-syms "$dump" "$work/now.abi" || { echo "check.sh: the ABI has changed" >&2; failed=1; }
+fi
+((!failed))

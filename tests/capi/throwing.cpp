@@ -1,0 +1,32 @@
+// An exception that leaves the control function stops the robot, and no more.
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+
+#include "tests/capi/check.h"
+
+namespace {
+
+void throws(void* context, const cargobay_state* state, cargobay_wheels* wheels) {
+  *static_cast<int*>(context) += 1;
+  wheels->left_mm_s = wheels->right_mm_s = 200.0;
+  if (state->tick > 60) throw std::runtime_error{"planted"};
+}
+
+}  // namespace
+
+int main() {
+  int calls = 0;
+  cargobay_sim* const sim = virtual_sim();
+  cargobay_robot* const robot = robot_of(sim, 0);
+  CHECK(cargobay_set_control(robot, throws, &calls) == CARGOBAY_OK);
+  CHECK(cargobay_start(robot) == CARGOBAY_OK);
+  CHECK_FAILS(run_for(robot, 10.0), CARGOBAY_E_CONTROL, "an exception left");
+  CHECK(calls > 60 && calls < 65);
+  CHECK_FAILS(cargobay_stop(robot), CARGOBAY_E_CONTROL, "an exception left");
+  SIZED(cargobay_truth, truth);
+  CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK);
+  CHECK(truth.commanded_left_mm_s == 0 && truth.mode == CARGOBAY_MODE_PASSIVE);
+  CHECK(cargobay_close(robot) == CARGOBAY_OK);
+  CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
+}
