@@ -1,7 +1,7 @@
 # What is installed where, and the Debian packages made of it by .ci/package.sh. Included last.
 # Each component is a package: library (libcargobay0), development (libcargobay-dev), command
 # (cargobay).
-if(NOT PROJECT_IS_TOP_LEVEL)
+if(NOT PROJECT_IS_TOP_LEVEL OR NOT TARGET cargobay_shared)
   return()
 endif()
 include(CMakePackageConfigHelpers)
@@ -98,11 +98,8 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   install(FILES ${packaging_dir}/copyright DESTINATION ${doc_dir} COMPONENT ${component})
   compressed(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${doc_dir} ${component} RENAME changelog)
   compressed(${install_dir}/changelog ${doc_dir} ${component} RENAME changelog.Debian)
-  set(overrides ${packaging_dir}/${package}.lintian-overrides)
-  if(EXISTS ${overrides})
-    install(FILES ${overrides} RENAME ${package}
-      DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/lintian/overrides COMPONENT ${component})
-  endif()
+  install(FILES ${packaging_dir}/lintian-overrides RENAME ${package}
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/lintian/overrides COMPONENT ${component})
 endforeach()
 
 set(CPACK_GENERATOR DEB)
@@ -138,6 +135,7 @@ if(CMAKE_CROSSCOMPILING)
   endif()
 endif()
 
+# CPack indents the descriptions and puts a full stop into their empty lines.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${package_library})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_MULTIARCH same)
@@ -147,13 +145,13 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA
   ${packaging_dir}/triggers ${packaging_dir}/none/postinst ${packaging_dir}/none/postrm)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
 "real-time control of the iRobot Create (shared library)
- Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
- a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
- frame, estimates the wheel speeds and closes the velocity loop. A virtual
- Create, in real or virtual time, stands in for a robot.
- .
- This package contains the shared library, and the guard process that stops the
- robot where the program that drives it dies or hangs.")
+Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
+a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
+frame, estimates the wheel speeds and closes the velocity loop. A virtual
+Create, in real or virtual time, stands in for a robot.
+
+This package contains the shared library, and the guard process that stops the
+robot where the program that drives it dies or hangs.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME ${package_development})
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
@@ -161,13 +159,13 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_MULTIARCH same)
 set(CPACK_COMPONENT_DEVELOPMENT_DEPENDS library)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "real-time control of the iRobot Create (development files)
- Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
- a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
- frame, estimates the wheel speeds and closes the velocity loop. A virtual
- Create, in real or virtual time, stands in for a robot.
- .
- This package contains the headers for C and C++, the files for CMake and
- pkg-config, and examples.")
+Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
+a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
+frame, estimates the wheel speeds and closes the velocity loop. A virtual
+Create, in real or virtual time, stands in for a robot.
+
+This package contains the headers for C and C++, the files for CMake and
+pkg-config, and examples.")
 
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME ${package_command})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION electronics)
@@ -176,14 +174,14 @@ set(CPACK_DEBIAN_COMMAND_PACKAGE_CONTROL_EXTRA ${packaging_dir}/postinst ${packa
 set(CPACK_COMPONENT_COMMAND_DEPENDS library)
 set(CPACK_COMPONENT_COMMAND_DESCRIPTION
 "real-time control of the iRobot Create (command)
- Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
- a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
- frame, estimates the wheel speeds and closes the velocity loop. A virtual
- Create, in real or virtual time, stands in for a robot.
- .
- This package contains the command cargobay, which brings a robot up, drives,
- records and replays, measures timing and serves virtual robots; the Python
- module cargobay; a udev rule for serial adapters and GPIO, and a systemd unit
- for controllers.")
+Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
+a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
+frame, estimates the wheel speeds and closes the velocity loop. A virtual
+Create, in real or virtual time, stands in for a robot.
+
+This package contains the command cargobay, which brings a robot up, drives,
+records and replays, measures timing and serves virtual robots; the Python
+module cargobay; a udev rule for serial adapters and GPIO, and a systemd unit
+for controllers.")
 
 include(CPack)

@@ -58,7 +58,7 @@ LDFLAGS="$(flags LDFLAGS) -Wl,--as-needed"
 export CFLAGS CXXFLAGS LDFLAGS
 
 logged "configuring for $architecture" cmake --preset "$preset" -B "$tree" \
-  -D CMAKE_INSTALL_PREFIX=/usr -D CARGOBAY_COMMAND=ON -D BUILD_TESTING=OFF
+  -D CMAKE_INSTALL_PREFIX=/usr -D CARGOBAY_COMMAND=ON -D CARGOBAY_SHARED=ON -D BUILD_TESTING=OFF
 logged "building (some minutes the first time)" cmake --build "$tree" -j "${CARGOBAY_JOBS:-$(nproc)}"
 rm -f "$packages"/*_"$architecture".deb
 logged "packing" for_architecture cpack --config "$tree/CPackConfig.cmake" -B "$packages"

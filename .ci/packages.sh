@@ -14,7 +14,8 @@ quick=("${run[@]}" libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev 
   spin help2man)
 test=("${quick[@]}" clang-22 clang-tidy-22 libclang-rt-22-dev llvm-22 strace
   crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64
-  g++-arm-linux-gnueabihf python3 qemu-system-arm device-tree-compiler cpio)
+  g++-arm-linux-gnueabihf python3 qemu-system-arm device-tree-compiler cpio doxygen abigail-tools
+  debootstrap)
 package=("${run[@]}" dpkg-dev file)
 package_arm64=("${package[@]}" crossbuild-essential-arm64
   libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64)
@@ -68,6 +69,7 @@ if (($(id -u) != 0)); then
   as_root=(sudo -n)
 fi
 
+added=() # foreign architectures, by this run
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 apt() {
@@ -75,6 +77,11 @@ apt() {
     -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" < /dev/null >> "$log" 2>&1 || {
     tail -n 25 "$log" >&2
     echo "apt-get $1 failed; wanted: ${missing[*]}" >&2
+    # Whatever else is installed later does not trip over an index that is not to be had.
+    local foreign
+    for foreign in ${added[@]+"${added[@]}"}; do
+      ${as_root[@]+"${as_root[@]}"} dpkg --remove-architecture "$foreign" || true
+    done
     exit 1
   }
 }
@@ -84,6 +91,7 @@ for foreign in arm64 armhf; do
   if [[ " ${missing[*]} " == *:$foreign* && $native != "$foreign" ]] &&
     ! dpkg --print-foreign-architectures | grep -qx "$foreign"; then
     ${as_root[@]+"${as_root[@]}"} dpkg --add-architecture "$foreign"
+    added+=("$foreign")
   fi
 done
 apt update

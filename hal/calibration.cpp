@@ -10,9 +10,9 @@
 namespace cargobay::hal {
 namespace {
 
-constexpr double kTick_s = rt::seconds(oi::kTick);
-constexpr double kLeastLag_s = 0.02;
-constexpr double kMostLag_s = 0.5;
+constexpr double kTickSeconds = rt::seconds(oi::kTick);
+constexpr double kLeastLag = 0.02;  // seconds
+constexpr double kMostLag = 0.5;
 
 std::string whole(double value) { return std::to_string(std::lround(value)); }
 
@@ -28,17 +28,17 @@ void Calibration::prepare(ControlCycle::Parameters& parameters) {
 double Calibration::duration_s() { return begin_of(kLegs.size()); }
 
 double Calibration::begin_of(std::size_t leg) {
-  double begin_s = kSettle_s;
-  for (std::size_t i = 0; i < leg; ++i) begin_s += kLegs[i].drive_s + kSettle_s;
+  double begin_s = kSettle;
+  for (std::size_t i = 0; i < leg; ++i) begin_s += kLegs[i].drive_s + kSettle;
   return begin_s;
 }
 
 rt::WheelSpeeds Calibration::at(double seconds) const noexcept CARGOBAY_NONBLOCKING {
-  double begin_s = kSettle_s;
+  double begin_s = kSettle;
   for (const Leg& leg : kLegs) {
     if (seconds >= begin_s && seconds < begin_s + leg.drive_s)
       return {leg.left * speed_mm_s_, leg.right * speed_mm_s_};
-    begin_s += leg.drive_s + kSettle_s;
+    begin_s += leg.drive_s + kSettle;
   }
   return {};
 }
@@ -73,8 +73,8 @@ double Calibration::likeliest_lag(rt::WheelEstimator::Parameters parameters) con
     parameters.lag_s = lag_s;
     return estimate(parameters, nullptr);
   };
-  double low = kLeastLag_s;
-  double high = kMostLag_s;
+  double low = kLeastLag;
+  double high = kMostLag;
   double left = high - kSection * (high - low);
   double right = low + kSection * (high - low);
   double at_left = likelihood(left);
@@ -100,7 +100,7 @@ double Calibration::likeliest_lag(rt::WheelEstimator::Parameters parameters) con
 Calibration::Way Calibration::between(const Ways& ways, double from_s, double to_s) const {
   const auto at = [&](double seconds) {
     const auto tick = std::ranges::find_if(ticks_, [seconds](const Tick& each) {
-      return static_cast<double>(each.number) * kTick_s >= seconds;
+      return static_cast<double>(each.number) * kTickSeconds >= seconds;
     });
     const auto place = static_cast<std::size_t>(tick - ticks_.begin());
     return ways[std::min(place, ways.size() - 1)];
@@ -118,7 +118,7 @@ std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
   std::array<double, kLegs.size() - kFirstTurn> bases{};
   for (std::size_t i = 0; i < bases.size(); ++i) {
     const double begin_s = begin_of(kFirstTurn + i);
-    const Way turn = between(ways, begin_s, begin_s + kTurn_s + 0.9 * kSettle_s);
+    const Way turn = between(ways, begin_s, begin_s + kTurn + 0.9 * kSettle);
     if (std::abs(turn.turn_rad) < kLeastTurn) {
       return Failure{"the robot hardly turned (" + whole(turn.turn_rad * 180.0 / std::numbers::pi) +
                      " degrees) when one wheel was driven; look whether it is free to move"};
@@ -136,15 +136,15 @@ std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
 // as the robot.
 std::optional<Failure> Calibration::measure_droop(const Ways& ways,
                                                   CalibrationResult& result) const {
-  constexpr double kLag_s = 2.0;  // and more, of the slowest
+  constexpr double kLagOver = 2.0;  // seconds: of the slowest
   double left_mm_s = 0.0;
   double right_mm_s = 0.0;
   for (std::size_t i = 0; i < kLegs.size(); ++i) {
     const Leg& leg = kLegs[i];
     if (leg.left * leg.right != 0.0) continue;
     const double begin_s = begin_of(i);
-    const Way steady = between(ways, begin_s + kLag_s, begin_s + leg.drive_s);
-    const double speed = 2.0 * std::abs(steady.distance_mm) / (leg.drive_s - kLag_s);
+    const Way steady = between(ways, begin_s + kLagOver, begin_s + leg.drive_s);
+    const double speed = 2.0 * std::abs(steady.distance_mm) / (leg.drive_s - kLagOver);
     if (speed < speed_mm_s_ / 4.0) {
       return Failure{"a wheel did " + whole(speed) + " mm/s where " + whole(speed_mm_s_) +
                      " were asked for; look whether its wheels are free and its battery is full"};
@@ -157,7 +157,8 @@ std::optional<Failure> Calibration::measure_droop(const Ways& ways,
 }
 
 Result<CalibrationResult> Calibration::result(double delay_s) const {
-  if (ticks_.empty() || static_cast<double>(ticks_.back().number) * kTick_s < duration_s() - 0.5)
+  if (ticks_.empty() ||
+      static_cast<double>(ticks_.back().number) * kTickSeconds < duration_s() - 0.5)
     return Failure{"the drive ended before its time; nothing was measured: try again"};
   rt::WheelEstimator::Parameters parameters{.input_delay_s = delay_s};
   CalibrationResult result;

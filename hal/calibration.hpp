@@ -55,14 +55,10 @@ class Calibration {
     double right = 0.0;
     double drive_s = 0.0;
   };
-  static constexpr double kSettle_s = 1.0;  // from the first frame on, and behind each leg
-  static constexpr double kTurn_s = 6.0;
-  static constexpr std::array<Leg, 6> kLegs{{{1, 1, 2},
-                                             {-1, -1, 2},
-                                             {0, 1, kTurn_s},
-                                             {0, -1, kTurn_s},
-                                             {1, 0, kTurn_s},
-                                             {-1, 0, kTurn_s}}};
+  static constexpr double kSettle = 1.0;  // seconds, from the first frame on, and behind each leg
+  static constexpr double kTurn = 6.0;    // seconds
+  static constexpr std::array<Leg, 6> kLegs{
+      {{1, 1, 2}, {-1, -1, 2}, {0, 1, kTurn}, {0, -1, kTurn}, {1, 0, kTurn}, {-1, 0, kTurn}}};
   struct Tick {
     std::int64_t number = 0;
     rt::WheelSpeeds command{};  // that answered it

@@ -36,8 +36,15 @@ cat > "$made/rearranged" << 'END'
 set -euo pipefail
 if [[ $1 == --version ]]; then exec "$CARGOBAY_ASKED" --version; fi
 "$CARGOBAY_ASKED" $CARGOBAY_SUBCOMMAND --help | awk -v name="cargobay $CARGOBAY_SUBCOMMAND" '
-  # CLI11 2.4 and 2.5 print the headings differently.
+  # CLI11 2.5 has its headings in capitals.
   function heading(text) { return toupper(substr(text, 1, 1)) tolower(substr(text, 2)) }
+  # "drive   Close the loop.": of each subcommand its first sentence.
+  function close_subcommand() {
+    if (subcommand == "") return
+    match(subcommand, /[.:]( |$)/)
+    rest = rest (RSTART ? substr(subcommand, 1, RSTART - 1) "." : subcommand) "\n"
+    subcommand = ""
+  }
   /^`cargobay COMMAND --help`/ { next }
   # A usage line within the description is the better one: it names the arguments.
   !done && index($0, name " [") == 1 { usage = $0; next }
@@ -46,14 +53,40 @@ if [[ $1 == --version ]]; then exec "$CARGOBAY_ASKED" --version; fi
     done = 1
     next
   }
+  # What is said of an argument goes on until there is another.
+  !done && /^  \[?[A-Z]+\.*\]?: / {
+    sub(/: +/, "  ")
+    argument = 1
+  }
+  !done && argument && !/^  / { description = substr(description, 1, length(description) - 1) " " }
   !done { description = description $0 "\n"; next }
   /^(OPTIONS|SUBCOMMANDS|POSITIONALS):$/ { $0 = heading($0) }
-  # Names of options and what they take, apart from what they do.
-  /^  -/ { sub(/,--/, ", --"); sub(/ +$/, "") }
-  /^  --[a-z-]+\{/ { sub(/\{/, "[="); sub(/\}/, "]") }
-  # help2man wants to see where an option ends.
+  /^[^ ]/ || /^$/ { close_subcommand(); listing = /^Subcommands:/ }
+  listing && /^  [a-z]/ { close_subcommand(); subcommand = $0; next }
+  listing && subcommand != "" { sub(/^ +/, " "); subcommand = subcommand $0; next }
+  # Options, on one line with what they do, the same from each version of CLI11: what an option
+  # takes is named once, and its default is in brackets.
+  /^  -/ {
+    head = $0
+    tail = ""
+    if (match($0, /[^ ]  +[^ ]/)) {
+      head = substr($0, 1, RSTART)
+      tail = substr($0, RSTART + RLENGTH - 1)
+    }
+    sub(/ +$/, "", head)
+    sub(/,--/, ", --", head)
+    if (head ~ /^  --[a-z-]+\{/) { sub(/\{/, "[=", head); sub(/\}/, "]", head) }
+    if (match(head, /(TEXT|FLOAT|INT|\]|\})=[^ =]+$/)) {
+      value = head
+      sub(/.*=/, "", value)
+      sub(/=[^=]*$/, " [" value "]", head)
+    }
+    sub(/ (TEXT|FLOAT|UINT|INT):/, " ", head)
+    if (tail == "" && (getline tail) > 0) sub(/^ +/, "", tail)
+    $0 = head "  " tail
+  }
   { rest = rest $0 "\n" }
-  END { printf "Usage: %s\n\n%s%s", usage, description, rest }
+  END { close_subcommand(); printf "Usage: %s\n\n%s%s", usage, description, rest }
 '
 END
 chmod 755 "$made/rearranged"
@@ -72,10 +105,15 @@ page() {
   CARGOBAY_ASKED=$program CARGOBAY_SUBCOMMAND="$*" SOURCE_DATE_EPOCH=0 \
     help2man --no-info --name "$purpose" --source cargobay --manual "Cargobay" --section 1 \
     --version-string "$("$program" --version)" "${includes[@]}" "$made/rearranged" > "$made/page"
-  # The same each day, and with each version of help2man.
+  # The same each day, and with each version of help2man; examples keep their lines.
   sed -E -e 's/^(\.TH ).*/\1'"${name^^}"' 1 "" "cargobay" "Cargobay"/' \
     -e '/^\.\\" DO NOT MODIFY/c .\\" Made by docs/man/make.sh from the help of the command.' \
-    -e "s/rearranged/$name/g" -e 's/^cargobay \\- /'"$name"' \\- /' "$made/page" > "$made/$name.1"
+    -e "s/rearranged/$name/g" -e 's/^cargobay \\- /'"$name"' \\- /' "$made/page" |
+    awk '
+      /^\.SH/ { if (kept) print ".RE\n.fi"; kept = 0; examples = /^\.SH "?EXAMPLES/ }
+      examples && /^\.IP$/ { print kept ? ".PP" : ".PP\n.nf\n.RS"; kept = 1; next }
+      { print }
+    ' > "$made/$name.1"
 }
 
 # Names under "Subcommands:" in the help of the command.

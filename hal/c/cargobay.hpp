@@ -410,13 +410,13 @@ class Robot {
     if (kept == nullptr) {
       return Error{.code = CARGOBAY_E_SYSTEM, .message = "no memory for the control function"};
     }
-    Kept holder{kept, [](void* it) { delete static_cast<Function*>(it); }};
+    Kept holder{static_cast<void*>(kept), [](void* it) { delete static_cast<Function*>(it); }};
     const int code = cargobay_set_control(
         handle(),
         [](void* context, const State* state, Wheels* wheels) {
           *wheels = (*static_cast<Function*>(context))(*state);
         },
-        kept);
+        static_cast<void*>(kept));
     if (code < 0) return Error::last(code);
     control_ = std::move(holder);
     return {};

@@ -9,6 +9,7 @@ namespace {
 
 // In fixed memory: to tell of a lack of memory takes none.
 constexpr std::size_t kMostMessage = 1024;
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local std::array<char, kMostMessage> last_message{};
 
 }  // namespace

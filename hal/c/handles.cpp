@@ -5,6 +5,7 @@
 namespace cargobay::c {
 namespace {
 
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): the process's
 std::atomic<std::uint32_t> fork_count{0};
 
 }  // namespace
@@ -15,9 +16,9 @@ std::uint32_t forks() noexcept CARGOBAY_NONBLOCKING {
 
 void count_forks() {
   // In the child one thread is left, and its memory is its own.
-  static const int registered =
+  static const int kRegistered =
       pthread_atfork(nullptr, nullptr, [] { fork_count.fetch_add(1, std::memory_order_relaxed); });
-  (void)registered;  // fails for want of memory only: then forks are not noticed
+  (void)kRegistered;  // fails for want of memory only: then forks are not noticed
 }
 
 }  // namespace cargobay::c

@@ -9,6 +9,7 @@
 namespace cargobay::c {
 namespace {
 
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local bool control_runs = false;
 
 // Of what the OI calls the wheels, to the C API's.
@@ -60,14 +61,14 @@ int RobotObject::must_run() const noexcept {
   return CARGOBAY_OK;
 }
 
-int RobotObject::end_of_loop(const hal::Robot::Farewell& end) const {
+int RobotObject::end_of_loop(const hal::Robot::Farewell& ended) const {
   if (control_threw.load()) {
     return fail(CARGOBAY_E_CONTROL,
                 "an exception left the control function, and the robot was stopped; catch it "
                 "there");
   }
-  const int code = code_of(end.end);
-  return code == CARGOBAY_OK ? code : fail(code, hal::explain(end));
+  const int code = code_of(ended.end);
+  return code == CARGOBAY_OK ? code : fail(code, hal::explain(ended));
 }
 
 int RobotObject::request(const hal::Request& wanted) {

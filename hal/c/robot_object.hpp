@@ -33,10 +33,10 @@ struct RobotObject {
 
   // What the end of its loop was, as an error with its message; CARGOBAY_OK where it was asked to
   // end.
-  int end_of_loop(const hal::Robot::Farewell& farewell) const;
+  int end_of_loop(const hal::Robot::Farewell& ended) const;
 
   // Puts a request into the cycle's ring: CARGOBAY_OK or CARGOBAY_E_FULL. From any thread; locks.
-  int request(const hal::Request& request);
+  int request(const hal::Request& wanted);
 
   HandleTable<SimObject>::Use sim{};               // that is the robot, if any
   std::unique_ptr<hal::sim::VirtualCreate> own{};  // where no port was named

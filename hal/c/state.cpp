@@ -22,6 +22,7 @@ struct Seen {
   const void* robot = nullptr;  // the handle, which is never used twice
   std::uint32_t rings = 0;
 };
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local std::array<Seen, HandleTable<RobotObject>::kMost> seen_rings{};
 
 constexpr std::int64_t kForEver = std::int64_t{1} << 60U;  // ns

@@ -18,14 +18,12 @@
 #include "hal/cli/connection.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/open_for_use.hpp"
+#include "hal/cli/plant.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/sim_options.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/config_edit.hpp"
-#include "hal/open_pins.hpp"
 #include "hal/robot.hpp"
-#include "hal/sim/virtual_create.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -147,6 +145,59 @@ std::optional<hal::Failure> check(const CalibrateOptions& options) {
   return hal::read_config(contents(options.write_file), options.write_file, config);
 }
 
+// What was measured, to wherever it is wanted.
+std::optional<hal::Failure> report(const CalibrateOptions& options,
+                                   const hal::CalibrationResult& result) {
+  const bool prints = options.json_file != "-";
+  if (prints) fmt::print("{}", table(result));
+  if (!options.json_file.empty()) {
+    if (auto failure = write_file(options.json_file, json(result))) return failure;
+  }
+  if (options.write_file.empty()) return std::nullopt;
+  if (auto failure = write_config(options.write_file, result)) return failure;
+  if (prints) fmt::print("Written to   {}\n", options.write_file);
+  return std::nullopt;
+}
+
+// A robot is about to move: its owner has a moment. Returns the signal that came in it.
+std::optional<int> warn(const CalibrateOptions& options, StopSignals& signals) {
+  print_remark(
+      fmt::format("the robot will go about {:.0f} mm ahead and back, then turn about each "
+                  "wheel, for {:.0f} s; keep the floor free (Ctrl-C stops it)",
+                  2.0 * options.speed_mm_s, hal::Calibration::duration_s()));
+  return signals.wait(kWarning);
+}
+
+// Brings the robot up, drives and measures. Nothing where a signal ended it, which `signal` is
+// then.
+hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOptions& options,
+                                                           const hal::Config& config,
+                                                           const Plant& plant, StopSignals& signals,
+                                                           std::optional<int>& signal) {
+  auto stream = open_for_use(plant.port, *config.baud);
+  if (!stream) return stream.failure();
+  hal::RobotOptions wanted;
+  hal::apply(config, wanted.cycle);
+  hal::Calibration::prepare(wanted.cycle);
+  wanted.realtime = {.priority = config.priority.value_or(kPriority), .cpu = config.cpu};
+  wanted.pins = plant.pins();
+  wanted.cancelled = [&] {
+    if (!signal) signal = signals.wait(rt::Duration::zero());
+    return signal.has_value();
+  };
+  auto robot = hal::Robot::open(std::move(*stream), wanted);
+  if (signal) return std::optional<hal::CalibrationResult>{};
+  if (!robot) return robot.failure();
+  hal::Calibration calibration{options.speed_mm_s};
+  const auto driven = drive(**robot, calibration, signals);
+  if (!driven) return driven.failure();
+  signal = *driven;
+  if (signal) return std::optional<hal::CalibrationResult>{};
+  auto result = calibration.result((*robot)->delay_s());
+  if (!result) return result.failure();
+  return std::optional{*result};
+}
+
 int calibrate(const CalibrateOptions& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
@@ -156,56 +207,16 @@ int calibrate(const CalibrateOptions& options) {
   if (const auto failure = check(options)) return fail(*failure);
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
-  std::unique_ptr<hal::sim::VirtualCreate> create;  // outlives the robot
-  hal::OpenPins lines;
-  hal::RobotOptions wanted;
-  hal::apply(*config, wanted.cycle);
-  hal::Calibration::prepare(wanted.cycle);
-  wanted.realtime = {.priority = config->priority.value_or(kPriority), .cpu = config->cpu};
-  std::string path = config->port;
-  if (path.empty()) {
-    if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
-    auto started = hal::sim::VirtualCreate::start(parameters(options.sim), *config->baud,
-                                                  wanted.realtime.priority - 10);
-    if (!started) return fail(started.failure());
-    create = std::move(*started);
-    path = create->server().path();
-    wanted.pins = create->pins();
-  } else {
-    auto opened = hal::open_pins(config->pins);
-    if (!opened) return fail(opened.failure());
-    lines = std::move(*opened);
-    wanted.pins = lines.pins();
-    print_remark(
-        fmt::format("the robot will go about {:.0f} mm ahead and back, then turn about "
-                    "each wheel, for {:.0f} s; keep the floor free (Ctrl-C stops it)",
-                    2.0 * options.speed_mm_s, hal::Calibration::duration_s()));
-    if (const auto signal = signals.wait(kWarning)) return kSignalled + *signal;
-  }
-  auto stream = open_for_use(path, *config->baud);
-  if (!stream) return fail(stream.failure());
-  std::optional<int> early;
-  wanted.cancelled = [&] {
-    if (!early) early = signals.wait(rt::Duration::zero());
-    return early.has_value();
-  };
-  auto robot = hal::Robot::open(std::move(*stream), wanted);
-  if (early) return kSignalled + *early;
-  if (!robot) return fail(robot.failure());
-
-  hal::Calibration calibration{options.speed_mm_s};
-  const auto driven = drive(**robot, calibration, signals);
-  if (!driven) return fail(driven.failure());
-  if (driven->has_value()) return kSignalled + **driven;
-  const auto result = calibration.result((*robot)->delay_s());
-  if (!result) return fail(result.failure());
-  if (options.json_file != "-") fmt::print("{}", table(*result));
-  if (!options.json_file.empty()) {
-    if (const auto failure = write_file(options.json_file, json(*result))) return fail(*failure);
-  }
-  if (options.write_file.empty()) return kSuccess;
-  if (const auto failure = write_config(options.write_file, *result)) return fail(*failure);
-  if (options.json_file != "-") fmt::print("Written to   {}\n", options.write_file);
+  const auto plant =
+      find_plant(*config, options.pins, options.sim, config->priority.value_or(kPriority));
+  if (!plant) return fail(plant.failure());
+  std::optional<int> signal;
+  if (plant->server() == nullptr) signal = warn(options, signals);
+  if (signal) return kSignalled + *signal;
+  const auto measured = measure(options, *config, *plant, signals, signal);
+  if (!measured) return fail(measured.failure());
+  if (signal) return kSignalled + *signal;
+  if (const auto failure = report(options, **measured)) return fail(*failure);
   return kSuccess;
 }
 

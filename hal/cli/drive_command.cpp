@@ -20,19 +20,18 @@
 #include "hal/cli/findings.hpp"
 #include "hal/cli/last_frames.hpp"
 #include "hal/cli/open_for_use.hpp"
+#include "hal/cli/plant.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/profile.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/velocity_plot.hpp"
 #include "hal/cli/write_file.hpp"
 #include "hal/kworker_boost.hpp"
-#include "hal/open_pins.hpp"
 #include "hal/port_identity.hpp"
 #include "hal/reconnect.hpp"
 #include "hal/recording_file.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
-#include "hal/sim/virtual_create.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
 
@@ -151,34 +150,6 @@ int conclude(const DriveReport& report, const DriveOptions& options,
     return kFailure;
   }
   return ending.signal.has_value() ? kSignalled + *ending.signal : kSuccess;
-}
-
-// What is driven: a robot and the lines to its pins, or a virtual Create.
-struct Plant {
-  std::string port;
-  std::unique_ptr<hal::sim::VirtualCreate> create{};
-  hal::OpenPins lines{};
-
-  hal::RobotPins pins() const { return create ? create->pins() : lines.pins(); }
-};
-
-hal::Result<Plant> find_plant(const DriveOptions& options, const hal::Config& config,
-                              int priority) {
-  Plant plant{.port = config.port};
-  if (!options.builtin && !plant.port.empty()) {
-    auto lines = hal::open_pins(config.pins);
-    if (!lines) return lines.failure();
-    plant.lines = std::move(*lines);
-    return plant;
-  }
-  if (options.pins.any_line()) return hal::Failure{"the pins of a robot need its --port"};
-  // Above ordinary work, below the loop: a wire does not wait for the CPU.
-  auto started =
-      hal::sim::VirtualCreate::start(parameters(options.sim), *config.baud, priority - 10);
-  if (!started) return started.failure();
-  plant.create = std::move(*started);
-  plant.port = plant.create->server().path();
-  return plant;
 }
 
 // Drives over one link after another, until the time is over or no further link is to be had.
@@ -354,13 +325,15 @@ int drive(const DriveOptions& options) {
   const auto profile = Profile::load(options.profile, options.speed_mm_s);
   if (!profile) return fail(profile.failure());
 
-  const auto config = configuration(options.connection, options.pins);
+  auto config = configuration(options.connection, options.pins);
   if (!config) return fail(config.failure());
+  if (options.builtin) config->port.clear();
   hal::RobotOptions wanted = robot_options(options, *config);
-  auto plant = find_plant(options, *config, wanted.realtime.priority);  // outlives the robot
+  const auto plant = find_plant(*config, options.pins, options.sim,
+                                wanted.realtime.priority);  // outlives the robot
   if (!plant) return fail(plant.failure());
   wanted.pins = plant->pins();
-  hal::sim::Server* server = plant->create ? &plant->create->server() : nullptr;
+  hal::sim::Server* const server = plant->server();
   std::optional<int> early_signal;
   wanted.cancelled = [&] {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
