@@ -25,9 +25,9 @@ void Calibration::prepare(ControlCycle::Parameters& parameters) {
   parameters.loop.estimator.remainder.reset();  // so that readings come in rows and in windows
 }
 
-double Calibration::duration_s() { return begin_of(kLegs.size()); }
+double Calibration::duration_s() noexcept CARGOBAY_NONBLOCKING { return begin_of(kLegs.size()); }
 
-double Calibration::begin_of(std::size_t leg) {
+double Calibration::begin_of(std::size_t leg) noexcept CARGOBAY_NONBLOCKING {
   double begin_s = kSettle;
   for (std::size_t i = 0; i < leg; ++i) begin_s += kLegs[i].drive_s + kSettle;
   return begin_s;

@@ -37,7 +37,7 @@ class Calibration {
 
   // How the cycle is to be set up for it: open loop, steps of the command.
   static void prepare(ControlCycle::Parameters& parameters);
-  static double duration_s();
+  static double duration_s() noexcept CARGOBAY_NONBLOCKING;
 
   // What the wheels shall do; from the control thread.
   rt::WheelSpeeds at(double seconds) const noexcept CARGOBAY_NONBLOCKING;
@@ -77,7 +77,7 @@ class Calibration {
   double likeliest_lag(rt::WheelEstimator::Parameters parameters) const;
   // What was gone between two instants of the pattern.
   Way between(const Ways& ways, double from_s, double to_s) const;
-  static double begin_of(std::size_t leg);
+  static double begin_of(std::size_t leg) noexcept CARGOBAY_NONBLOCKING;
   std::optional<Failure> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;
   std::optional<Failure> measure_droop(const Ways& ways, CalibrationResult& result) const;
 

@@ -119,7 +119,6 @@ void ControlCycle::account(rt::TimePoint arrival,
     if (late || readings.size() > 1) ++overruns_.wait;
     period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
-  odometry_.step(loop_.take_travel());
   for (const auto& reading : readings) {
     loop_.frame(reading);
     odometry_.step(loop_.take_travel());

@@ -29,10 +29,11 @@ passed=0 failed=0 skipped=0
 PATH=$PATH:/usr/lib/llvm-22/bin
 
 # report NAME STATUS SECONDS TEXT: the one line of a stage; if it failed, the tail of its log
-# without ctest's lines about tests that passed.
+# without ctest's lines about tests that passed. Status 77: it found no means to do its work.
 report() {
   local verdict=ok
   (($2 == 0)) || verdict=FAILED
+  (($2 != 77)) || verdict=skipped
   printf '%-22s %-7s %4d s  %s\n' "$1" "$verdict" "$3" "$4"
   (($2 == 0)) || grep -avE '^ +Start +[0-9]+: | Passed +[0-9.]+ sec$' "$logs/$1.log" |
     tail -n "${5:-40}" | sed 's/^/    /' || true
@@ -43,7 +44,11 @@ stage() {
   local name=$1 begin=$SECONDS status=0
   shift
   "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
-  if ((status == 0)); then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+  case $status in
+    0) passed=$((passed + 1)) ;;
+    77) skipped=$((skipped + 1)) ;;
+    *) failed=$((failed + 1)) ;;
+  esac
   report "$name" "$status" $((SECONDS - begin)) ""
   return "$status"
 }

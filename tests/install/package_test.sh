@@ -55,8 +55,12 @@ if [[ ! -x $root/bin/bash ]]; then
     { echo "package_test.sh: debootstrap is missing: apt-get install debootstrap" >&2; exit 1; }
   mkdir -p "$root"
   chmod 755 "$root"
-  step "debootstrap --variant=minbase $release" \
-    debootstrap --variant=minbase "$release" "$root" "$mirror"
+  # A container may forbid what it needs.
+  debootstrap --variant=minbase "$release" "$root" "$mirror" > "$log" 2>&1 < /dev/null || {
+    echo "SKIPPED: debootstrap cannot make a minimal $release here: $(tail -n 1 "$log")"
+    exit 77
+  }
+  echo "ok      debootstrap --variant=minbase $release"
 fi
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 rm -rf "$root/packages"
