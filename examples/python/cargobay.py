@@ -536,12 +536,14 @@ def _ns(seconds: Optional[float]) -> int:
 
 def version() -> str:
     """The version of the library that runs."""
-    return _library.cargobay_version().decode()
+    name: bytes = _library.cargobay_version()
+    return name.decode()
 
 
 def packet_name(packet: Union[Packet, int]) -> str:
     """The name of a packet, as the command has it."""
-    return _library.cargobay_packet_name(packet).decode()
+    name: bytes = _library.cargobay_packet_name(packet)
+    return name.decode()
 
 
 def wheels_of(velocity_mm_s: float, turn_rate_rad_s: float, wheel_base_mm: float = 258.0) -> Wheels:
@@ -670,7 +672,7 @@ class Robot(_Handle):
             guard_deadline_ms=round(guard_deadline_s * 1e3),
             acceleration_mm_s2=acceleration_mm_s2, jerk_mm_s3=jerk_mm_s3,
             wheel_base_mm=wheel_base_mm, distance_scale=distance_scale, turn_scale=turn_scale,
-            record=_text(record), progress=_PROGRESS(tell) if progress else _PROGRESS())
+            record=_text(record), progress=_PROGRESS(tell) if progress else _PROGRESS(0))
         _library.cargobay_open(ctypes.byref(options), ctypes.byref(self._handle))
 
     def __enter__(self) -> Robot:
@@ -712,7 +714,7 @@ class Robot(_Handle):
                 with contextlib.suppress(CargobayError):
                     _library.cargobay_request_stop(self._handle)
 
-        wrapped = _CONTROL(call) if control is not None else _CONTROL()
+        wrapped = _CONTROL(call) if control is not None else _CONTROL(0)
         _library.cargobay_set_control(self._handle, wrapped, None)
         self._control = wrapped
 
@@ -832,7 +834,7 @@ class Robot(_Handle):
 
     def song(self, slot: int, notes: Sequence[tuple[int, int]]) -> None:
         """Stores a song of pairs: MIDI number and duration in 1/64 s."""
-        array = (_Note * len(notes))(*notes)
+        array = (_Note * len(notes))(*(_Note(*note) for note in notes))
         _library.cargobay_song(self._handle, slot, array, len(notes))
 
     def play_song(self, slot: int) -> None:

@@ -41,8 +41,9 @@ int code_of(hal::CycleEnd end) noexcept {
 }  // namespace
 
 RobotObject::~RobotObject() {
-  robot.reset();  // what it drives and is recorded by goes behind it
-  recording.reset();
+  if (robot) (void)robot->stop();
+  recording.reset();  // it reads what the robot's recorder holds
+  robot.reset();      // what it drives goes behind it
   if (sim) sim->taken.store(false);
 }
 

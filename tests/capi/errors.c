@@ -365,13 +365,13 @@ static void is_not_inherited(void) {
 }
 
 static void* last_message(void* seen) {
-  const char** message = seen;
+  char** message = seen;
   *message = strdup(cargobay_error_message());
   return NULL;
 }
 
 static void names_errors(void) {
-  const char* message = NULL;
+  char* message = NULL;
   pthread_t thread;
   for (int code = CARGOBAY_E_TIMEOUT; code <= CARGOBAY_OK; ++code)
     CHECK(strcmp(cargobay_error_name(code), "CARGOBAY_E_?") != 0);
@@ -382,6 +382,7 @@ static void names_errors(void) {
   CHECK(pthread_create(&thread, NULL, last_message, &message) == 0);
   CHECK(pthread_join(thread, NULL) == 0);
   CHECK(strcmp(message, "") == 0 && strlen(cargobay_error_message()) > 0);
+  free(message);
 }
 
 static void runs_out_of_handles(void) {
