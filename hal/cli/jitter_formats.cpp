@@ -36,9 +36,9 @@ struct Column {
   double sum_us = 0.0;
 };
 Column column(const ChannelSummary& channel, std::uint64_t bucket_us, std::uint64_t most_us) {
-  Column out{.counts = std::vector<std::uint64_t>(most_us / bucket_us)};
+  Column out{.counts = std::vector<std::uint64_t>(static_cast<std::size_t>(most_us / bucket_us))};
   for (const auto& [value, count] : channel.raw_buckets) {
-    const std::uint64_t bucket = value / 1000 / bucket_us;
+    const auto bucket = static_cast<std::size_t>(value / 1000 / bucket_us);
     if (bucket < out.counts.size()) {
       out.counts[bucket] += count;
     } else {
@@ -93,7 +93,8 @@ std::string cyclictest(const JitterSummary& summary, std::uint64_t bucket_us,
   for (const ChannelSummary& channel : summary.channels)
     fmt::format_to(to_out, " {}", channel.name);
   out += "\n# Histogram\n";
-  for (std::uint64_t bucket = 0; bucket < most_us / bucket_us; ++bucket) {
+  const auto buckets = static_cast<std::size_t>(most_us / bucket_us);
+  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
     const bool empty = std::ranges::all_of(
         columns, [bucket](const Column& each) { return each.counts[bucket] == 0; });
     if (empty) continue;
