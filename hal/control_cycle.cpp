@@ -135,8 +135,6 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
                    .pose_covariance = odometry_.covariance()};
   // Behind a silence the second frame tells how many ticks it was: until then there is no estimate.
   if (mode_watch_.state() == ModeWatch::State::driving && ticks_.in_doubt()) return Step::on;
-  // The control function looks at them, too.
-  board_mail_.put(board_);
   const Step step = answer_in_mode(state);
   publish(state);
   return step;

@@ -203,9 +203,7 @@ class ControlCycle {
   std::uint64_t events_dropped() const noexcept CARGOBAY_NONBLOCKING { return events_.dropped(); }
 
   // What each packet said last. From any thread.
-  std::optional<SensorBoard> sensors() const noexcept CARGOBAY_NONBLOCKING {
-    return board_mail_.get();
-  }
+  SensorReadings sensors() const noexcept CARGOBAY_NONBLOCKING { return board_.readings(); }
   // From any thread.
   CycleCounters counters() const noexcept CARGOBAY_NONBLOCKING {
     return counters_mail_.get().value_or(CycleCounters{});
@@ -356,7 +354,6 @@ class ControlCycle {
   std::size_t last_request_rest_ = 0;
   rt::SetpointCell setpoint_{};
   rt::Mailbox<CycleState> state_{};
-  rt::Mailbox<SensorBoard> board_mail_{};
   rt::Mailbox<CycleCounters> counters_mail_{};
   rt::SpscRing<CycleState, kHistory> history_{};
   EventRing events_{};

@@ -3,20 +3,10 @@
 #include <cmath>
 
 namespace cargobay::rt {
-namespace {
-
-// How x, y and heading follow from a little way ahead and a little turn.
-Eigen::Matrix<double, 3, 2> directions(double heading_rad) noexcept CARGOBAY_NONBLOCKING {
-  Eigen::Matrix<double, 3, 2> matrix;
-  matrix << std::cos(heading_rad), 0.0, std::sin(heading_rad), 0.0, 0.0, 1.0;
-  return matrix;
-}
-
-}  // namespace
 
 void Odometry::reset(const Pose& pose) noexcept CARGOBAY_NONBLOCKING {
   pose_ = pose;
-  grown_.setZero();
+  grown_ = {};
 }
 
 void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
@@ -24,26 +14,37 @@ void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
   const double distance_mm = travel.distance_mm * parameters_.distance_scale;
   const double turn_rad = travel.turn_rad * parameters_.turn_scale;
   const double middle_rad = pose_.heading_rad + turn_rad / 2.0;
+  cos_ = std::cos(middle_rad);
+  sin_ = std::sin(middle_rad);
   // The chord of the arc; a turn of one step is so small that a series is exact.
   const double chord_mm = distance_mm * (1.0 - turn_rad * turn_rad / 24.0);
+  const double x_mm = chord_mm * cos_;
+  const double y_mm = chord_mm * sin_;
 
+  // The heading was wrong already: the step goes astray across.
+  Covariance& p = grown_;
+  p.xx += -2.0 * y_mm * p.xh + y_mm * y_mm * p.hh;
+  p.xy += x_mm * p.xh - y_mm * p.yh - x_mm * y_mm * p.hh;
+  p.yy += 2.0 * x_mm * p.yh + x_mm * x_mm * p.hh;
+  p.xh -= y_mm * p.hh;
+  p.yh += x_mm * p.hh;
+
+  // And the step itself: ahead, turned, and both at once where one wheel slips more.
   const double slip = parameters_.slip_mm2_per_mm;
   const double left_mm = std::abs(distance_mm - turn_rad * base_mm / 2.0);
   const double right_mm = std::abs(distance_mm + turn_rad * base_mm / 2.0);
-  const double slip_variance = slip * (left_mm + right_mm);
-  Eigen::Matrix2d moved;
-  moved << travel.distance_variance + slip_variance / 4.0,
-      slip * (right_mm - left_mm) / (2.0 * base_mm), slip * (right_mm - left_mm) / (2.0 * base_mm),
-      travel.turn_variance + slip_variance / (base_mm * base_mm);
+  const double ahead = travel.distance_variance + slip * (left_mm + right_mm) / 4.0;
+  const double both = slip * (right_mm - left_mm) / (2.0 * base_mm);
+  const double turned = travel.turn_variance + slip * (left_mm + right_mm) / (base_mm * base_mm);
+  p.xx += cos_ * cos_ * ahead;
+  p.xy += cos_ * sin_ * ahead;
+  p.yy += sin_ * sin_ * ahead;
+  p.xh += cos_ * both;
+  p.yh += sin_ * both;
+  p.hh += turned;
 
-  Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
-  carried(0, 2) = -chord_mm * std::sin(middle_rad);
-  carried(1, 2) = chord_mm * std::cos(middle_rad);
-  const Eigen::Matrix<double, 3, 2> ahead = directions(middle_rad);
-  grown_ = (carried * grown_ * carried.transpose() + ahead * moved * ahead.transpose()).eval();
-
-  pose_.x_mm += chord_mm * std::cos(middle_rad);
-  pose_.y_mm += chord_mm * std::sin(middle_rad);
+  pose_.x_mm += x_mm;
+  pose_.y_mm += y_mm;
   pose_.heading_rad += turn_rad;
   distance_mm_ += distance_mm;
   unread_distance_ = travel.unread_distance_variance;
@@ -51,14 +52,11 @@ void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
 }
 
 std::array<double, 9> Odometry::covariance() const noexcept CARGOBAY_NONBLOCKING {
-  const Eigen::Matrix<double, 3, 2> ahead = directions(pose_.heading_rad);
-  Eigen::Matrix2d unread = Eigen::Matrix2d::Zero();
-  unread(0, 0) = unread_distance_;
-  unread(1, 1) = unread_turn_;
-  std::array<double, 9> rows{};
-  // Symmetric: columns are rows.
-  Eigen::Map<Eigen::Matrix3d>{rows.data()} = grown_ + ahead * unread * ahead.transpose();
-  return rows;
+  const double xx = grown_.xx + cos_ * cos_ * unread_distance_;
+  const double xy = grown_.xy + cos_ * sin_ * unread_distance_;
+  const double yy = grown_.yy + sin_ * sin_ * unread_distance_;
+  const double hh = grown_.hh + unread_turn_;
+  return {xx, xy, grown_.xh, xy, yy, grown_.yh, grown_.xh, grown_.yh, hh};
 }
 
 }  // namespace cargobay::rt

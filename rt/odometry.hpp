@@ -10,8 +10,6 @@
 
 #include <array>
 
-#include <Eigen/Core>
-
 #include "rt/nonblocking.hpp"
 #include "rt/travel.hpp"
 
@@ -48,7 +46,19 @@ class Odometry {
   Parameters parameters_;
   Pose pose_{};
   double distance_mm_ = 0.0;
-  Eigen::Matrix3d grown_ = Eigen::Matrix3d::Zero();
+  // Symmetric; h is the heading. Written out, since most of what a product of matrices would add up
+  // is 0.
+  struct Covariance {
+    double xx = 0.0;
+    double xy = 0.0;
+    double xh = 0.0;
+    double yy = 0.0;
+    double yh = 0.0;
+    double hh = 0.0;
+  };
+  Covariance grown_{};
+  double cos_ = 1.0;  // of the heading in the middle of the last step
+  double sin_ = 0.0;
   double unread_distance_ = 0.0;
   double unread_turn_ = 0.0;
 };

@@ -148,10 +148,10 @@ int query(cargobay_robot* robot, const RobotUse& use, int packet, std::int64_t t
   for (;;) {
     const std::int64_t left = std::max<std::int64_t>((until - clock()).count(), 0);
     if (const int failed = wait_for_frame(robot, use, left); failed != CARGOBAY_OK) return failed;
-    const auto board = cycle.sensors();
+    const hal::SensorReadings readings = cycle.sensors();
     const auto slot = static_cast<std::size_t>(packet);
-    if (!board || board->tick[slot] <= since) continue;
-    value = board->value[slot];
+    if (readings.tick[slot] <= since) continue;
+    value = readings.value[slot];
     return CARGOBAY_OK;
   }
 }
@@ -232,13 +232,13 @@ const char* cargobay_packet_name(int packet) {
 int cargobay_get_sensors(struct cargobay_robot* robot, struct cargobay_sensors* sensors) {
   const RobotUse use = robots().use(robot);
   if (!use) return no_robot();
-  const auto board = use->robot->cycle().sensors();
-  if (!board) return no_frame_yet();
+  if (!use->robot->cycle().state()) return no_frame_yet();
+  const cargobay::hal::SensorReadings readings = use->robot->cycle().sensors();
   cargobay_sensors known{};
-  static_assert(cargobay::hal::SensorBoard::kSlots == CARGOBAY_PACKETS);
+  static_assert(cargobay::hal::SensorReadings::kSlots == CARGOBAY_PACKETS);
   for (std::size_t i = 0; i < CARGOBAY_PACKETS; ++i) {
-    known.value[i] = board->value[i];
-    known.tick[i] = board->tick[i];
+    known.value[i] = readings.value[i];
+    known.tick[i] = readings.tick[i];
   }
   return give(known, sensors) ? static_cast<int>(CARGOBAY_OK) : bad_argument(kBadOut);
 }

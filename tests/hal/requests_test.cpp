@@ -122,8 +122,8 @@ TEST(Requests, AreDroppedWhereTheModeDoesNotAllowThem) {
 
 TEST(Requests, StreamWhatIsAskedFor) {
   VirtualDrive drive{{}};
-  std::optional<SensorBoard> before;
-  std::optional<SensorBoard> after;
+  std::optional<SensorReadings> before;
+  std::optional<SensorReadings> after;
   std::int64_t tick = 0;
   drive.on_frame = [&](int frame, ControlCycle& cycle) {
     drive.device.inputs().analog = 555;
@@ -137,7 +137,7 @@ TEST(Requests, StreamWhatIsAskedFor) {
   const DriveResult result = drive.run(700, ahead);
   EXPECT_EQ(result.frames.good, 700U);
   ASSERT_TRUE(before && after);
-  EXPECT_EQ(before->tick[33], SensorBoard::kNever);
+  EXPECT_EQ(before->tick[33], SensorReadings::kNever);
   EXPECT_EQ(after->value[33], 555);
   for (const std::size_t packet : {27U, 28U, 29U, 30U, 31U, 32U, 33U, 36U, 42U})
     EXPECT_GT(after->tick[packet], tick - 20) << packet;

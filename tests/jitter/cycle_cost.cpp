@@ -3,6 +3,7 @@
 // loop.
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "oi/encode.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_decoder.hpp"
+#include "rt/odometry.hpp"
 #include "rt/wheel_loop.hpp"
 #include "tests/jitter/memory_stream.hpp"
 
@@ -63,16 +65,19 @@ void decode(long frames) {
   if (decoder.counters().frames == 0) std::abort();
 }
 
-// Estimator, read schedule, acceleration limit and controller.
+// Estimator with its odometry, read schedule, acceleration limit and controller.
 void loop(long frames) {
   rt::WheelLoop wheels{{}};
+  rt::Odometry odometry{{}};
   double sum = 0.0;
   for (long i = 0; i < frames; ++i) {
     wheels.frame(rt::WheelEstimator::Reading{.distance_mm = 3, .angle_deg = 0});
     sum += wheels.control({200.0, 200.0}).left_mm_s;
     (void)wheels.next_reads();
+    odometry.step(wheels.take_travel());
+    sum += odometry.covariance()[0];
   }
-  if (sum < 0.0) std::abort();
+  if (std::isnan(sum)) std::abort();
 }
 
 }  // namespace
