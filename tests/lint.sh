@@ -58,10 +58,10 @@ check_tidy() {
   if (($#)); then
     files=$(printf "$PWD/%s\n" "$@")
   else
-    # Everything the build compiles, but not the stand-ins for empty layers. What is wrong on
-    # purpose (tests/sanitizers) or for the other libgpiod is not in it.
+    # Everything the build compiles, but not the stand-ins for empty layers, nor C, whose names are
+    # C's. What is wrong on purpose (tests/sanitizers) or for the other libgpiod is not in it.
     files=$(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/tidy/compile_commands.json |
-      grep -vE '/(empty|pch)\.cpp$' | sort -u)
+      grep -E '\.cpp$' | grep -vE '/(empty|pch)\.cpp$' | sort -u)
     local missing
     missing=$(comm -23 <(sources | grep -E '\.cpp$' | sed "s|^|$PWD/|" | grep -vE '_v[12]\.cpp$|/tests/sanitizers/' | sort) \
       <(sort <<< "$files"))
