@@ -33,8 +33,8 @@ bool is_the_loops(const oi::CommandInfo& info) {
     case oi::PauseResumeStream::kOpcode:
     case oi::Sensors::kOpcode:
     case oi::QueryList::kOpcode:
-    case 129:  // Baud
-    case 154:  // Show Script: its answer is no frame
+    case oi::Baud::kOpcode:
+    case oi::ShowScript::kOpcode:  // its answer is no frame
     case oi::WaitTime::kOpcode:
     case oi::WaitDistance::kOpcode:
     case oi::WaitAngle::kOpcode:
@@ -226,9 +226,11 @@ int cargobay_script(struct cargobay_robot* robot, const char* text, uint32_t how
 }
 
 int cargobay_play_script(struct cargobay_robot* robot, int64_t expected_ns) {
-  if (const int failed = cargobay_expect_silence(robot, expected_ns); failed != CARGOBAY_OK)
+  if (expected_ns < 0) return bad_argument("`expected_ns` is negative: give 0 or more");
+  // Announced only where it goes out: the robot plays it a frame later at the earliest.
+  if (const int failed = send_command(robot, oi::PlayScript{}); failed != CARGOBAY_OK)
     return failed;
-  return send_command(robot, oi::PlayScript{});
+  return cargobay_expect_silence(robot, expected_ns);
 }
 
 int cargobay_command(struct cargobay_robot* robot, const char* text, uint32_t how) {

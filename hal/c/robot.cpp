@@ -224,12 +224,22 @@ int record(RobotObject& object) {
   return CARGOBAY_OK;
 }
 
+void end(RobotObject& object) {
+  if (!object.farewell) object.farewell = object.robot->stop();
+  object.life.store(RobotObject::Life::stopped, std::memory_order_release);
+  if (!object.recording) return;
+  if (const auto& failure = object.recording->finish()) object.unrecorded_why = failure->message;
+}
+
 int start(RobotObject& object) {
   if (object.life.load() != RobotObject::Life::open) {
     return fail(CARGOBAY_E_STATE,
                 "the loop was started before; a robot starts once, then a new one is to be opened");
   }
-  if (const int failed = record(object); failed != CARGOBAY_OK) return failed;
+  if (const int failed = record(object); failed != CARGOBAY_OK) {
+    end(object);
+    return failed;
+  }
   const hal::ControlFunction control =
       object.control == nullptr
           ? hal::ControlFunction{}
@@ -240,7 +250,7 @@ int start(RobotObject& object) {
   } else {
     auto grant = object.robot->start(control);
     if (!grant) {
-      object.life.store(RobotObject::Life::stopped, std::memory_order_release);
+      end(object);
       const bool refused = grant.failure().code == std::errc::operation_not_permitted;
       return fail(refused ? CARGOBAY_E_RIGHTS : CARGOBAY_E_SYSTEM, grant.failure());
     }
@@ -248,13 +258,6 @@ int start(RobotObject& object) {
   }
   object.life.store(RobotObject::Life::running, std::memory_order_release);
   return CARGOBAY_OK;
-}
-
-void end(RobotObject& object) {
-  if (!object.farewell) object.farewell = object.robot->stop();
-  object.life.store(RobotObject::Life::stopped, std::memory_order_release);
-  if (!object.recording) return;
-  if (const auto& failure = object.recording->finish()) object.unrecorded_why = failure->message;
 }
 
 int stop(RobotObject& object) {

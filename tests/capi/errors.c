@@ -276,6 +276,10 @@ static void refuses_what_is_not_there(void) {
   options.record = "/no/such/folder/file";
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
   CHECK_FAILS(cargobay_start(robot), CARGOBAY_E_SYSTEM, "/no/such/folder/file");
+  {
+    SIZED(cargobay_truth, truth);
+    CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK && truth.mode == CARGOBAY_MODE_PASSIVE);
+  }
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
