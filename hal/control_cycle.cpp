@@ -30,10 +30,10 @@ std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
 }
 
 // What goes out beside the loop's longest commands, a drive and a list, before the next tick; no
-// more than the guard takes for a command that is under way (hal/guard/stop_robot.cpp).
+// more than the guard lets wait before its stop.
 std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
   constexpr std::size_t kOwn = oi::kDriveDirectBytes + 2 + kSignalsLeftList.size();
-  constexpr std::size_t kMostSpare = 64 - kOwn;
+  constexpr std::size_t kMostSpare = kMostBacklog - kOwn;
   const rt::Duration room = tick - oi::wire_time(kOwn, baud) - way_around(tick);
   const auto bytes = std::max(room, rt::Duration::zero()) / oi::wire_time(1, baud);
   return std::min(static_cast<std::size_t>(bytes), kMostSpare);

@@ -11,6 +11,11 @@
 
 namespace cargobay::hal {
 
+// Of what the loop has sent so many bytes may still wait in the port when the guard takes the
+// robot: its own commands and a request. Behind more the stop would come late, and the rest is
+// dropped.
+inline constexpr int kMostBacklog = 64;
+
 // Who has the robot. From `released` and `taken` there is no way back.
 enum class GuardState : std::uint32_t {
   standing_by,  // nothing is driven yet

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <span>
 
+#include "hal/guard_block.hpp"
 #include "hal/tty_speed.hpp"
 #include "oi/baud.hpp"
 #include "oi/encode.hpp"
@@ -29,8 +30,6 @@ constexpr int kTries = 3;
 constexpr milliseconds kWriteTimeout{200};
 constexpr milliseconds kModeChangeWait{50};  // as leave() waits
 constexpr milliseconds kAnswerTimeout{100};
-// Behind more than this, a command and its list, the stop would come late.
-constexpr int kMostBacklog = 64;
 // Completes any command: a count, and as many bytes as it can say.
 constexpr std::uint32_t kAnyCommand = 256;
 
