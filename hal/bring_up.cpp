@@ -11,12 +11,11 @@
 #include "gpio/pulse_train.hpp"
 #include "hal/bring_up_failure.hpp"
 #include "hal/dialogue.hpp"
+#include "hal/leave.hpp"
 #include "oi/baud.hpp"
-#include "oi/encode.hpp"
+#include "oi/commands.hpp"
 #include "oi/limits.hpp"
-#include "oi/sensors.hpp"
 #include "oi/stream_budget.hpp"
-#include "oi/stream_decoder.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -24,11 +23,8 @@ namespace {
 using gpio::Level;
 using std::chrono::milliseconds;
 
-// What host software for this robot waits after Start, Safe and Full: from 20 to 500 ms.
-constexpr milliseconds kModeChangeWait{50};
 constexpr milliseconds kFrameTimeout{300};  // a stream begins within a tick
 constexpr milliseconds kModeTimeout{800};
-constexpr milliseconds kAnswerTimeout{100};
 constexpr milliseconds kBootTime{3500};  // from the toggle until the robot listens
 constexpr milliseconds kBootMargin{2500};
 constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
@@ -417,49 +413,6 @@ Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
           std::to_string(oi::bytes_per_tick(baud)) + " bytes in that time; " + remedy};
 }
 
-template <typename Command>
-void send(ByteStream& stream, const Command& command) {
-  // A robot that does not get it does not confirm either.
-  if (const auto bytes = oi::encode(command)) (void)stream.write(*bytes);
-}
-
-void pause(ByteStream& stream, rt::Duration duration) {
-  const rt::TimePoint until = stream.now() + duration;
-  std::array<std::uint8_t, 256> bytes{};
-  while (stream.now() < until && stream.wait(until) == ByteStream::Wait::ready) {
-    (void)stream.read(bytes);  // what comes in between belongs to nobody
-  }
-}
-
-// Whether the frame that was just decoded says that the robot is Passive.
-bool passive_frame(const oi::StreamDecoder& decoder) {
-  oi::SensorValues values;
-  return oi::decode_frame(decoder.frame(), values) && values.has(oi::PacketId::oi_mode) &&
-         values.mode() == oi::Mode::passive;
-}
-
-// Whether the robot says that it is Passive: by the answer to a query, one byte, or by a frame of a
-// stream that did not end.
-bool says_passive(ByteStream& stream) {
-  constexpr auto kPassive = static_cast<std::uint8_t>(oi::Mode::passive);
-  oi::StreamDecoder decoder;
-  bool first = true;
-  std::array<std::uint8_t, 256> bytes{};
-  const rt::TimePoint until = stream.now() + kAnswerTimeout;
-  while (stream.wait(until) == ByteStream::Wait::ready) {
-    const ByteStream::Transfer transfer = stream.read(bytes);
-    if (transfer.error != 0) return false;
-    if (std::exchange(first, false) && transfer.count == 1 && bytes[0] == kPassive) return true;
-    for (const std::uint8_t byte : std::span{bytes}.first(transfer.count)) {
-      for (auto outcome = decoder.push(byte); outcome != oi::StreamDecoder::Outcome::nothing;
-           outcome = decoder.next()) {
-        if (outcome == oi::StreamDecoder::Outcome::frame && passive_frame(decoder)) return true;
-      }
-    }
-  }
-  return false;
-}
-
 }  // namespace
 
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request) {
@@ -472,23 +425,6 @@ Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request
     return too_long(request.packets, stream.baud());
   }
   return BringUp{stream, request}.run();
-}
-
-bool leave(ByteStream& stream) {
-  constexpr int kTries = 3;
-  // 0 is no speed where it is data, and no command where it is an opcode.
-  constexpr std::array<std::uint8_t, kResynchronisingBytes> kFill{};
-  for (int i = 0; i < kTries; ++i) {
-    if (i > 0) (void)stream.write(kFill);  // it may be swallowing what it takes for data
-    send(stream, oi::DriveDirect{});       // while it still obeys
-    send(stream, oi::PauseResumeStream{oi::StreamState::pause});
-    send(stream, oi::Start{});  // Passive: Safe and Full do not charge
-    pause(stream, kModeChangeWait);
-    stream.discard_input();
-    send(stream, oi::Sensors{oi::PacketId::oi_mode});
-    if (says_passive(stream)) return true;
-  }
-  return false;
 }
 
 std::string_view name(RateChange change) {

@@ -66,10 +66,6 @@ struct BringUpReport {
 // what was heard, and what to check.
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
 
-// Stops the wheels, ends the stream, goes Passive and waits for the robot to say so: true. Blocks
-// for up to 1 s. False where the robot does not answer; it was told all the same.
-bool leave(ByteStream& stream);
-
 std::string_view name(RateChange change);
 
 }  // namespace cargobay::hal

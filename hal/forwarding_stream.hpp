@@ -1,5 +1,5 @@
-// What every stream in front of another stream has in common: set-up, shutdown and the clock's
-// questions go straight through.
+// A stream in front of another one, which lives longer: all goes straight through, but what a
+// deriving class takes part in.
 #pragma once
 
 #include "hal/byte_stream.hpp"
@@ -8,6 +8,20 @@ namespace cargobay::hal {
 
 class ForwardingStream : public ByteStream {
  public:
+  // `stream` outlives it.
+  explicit ForwardingStream(ByteStream& stream) : stream_{stream} {}
+
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+    return stream_.wait(deadline);
+  }
+  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return stream_.read(bytes);
+  }
+  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return stream_.write(bytes);
+  }
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_.now(); }
+
   Terminal terminal() const override { return stream_.terminal(); }
   std::uint32_t baud() const override { return stream_.baud(); }
   std::error_code set_baud(std::uint32_t baud) override { return stream_.set_baud(baud); }
@@ -18,8 +32,6 @@ class ForwardingStream : public ByteStream {
   bool drain(rt::Duration timeout) override { return stream_.drain(timeout); }
 
  protected:
-  // `stream` outlives it.
-  explicit ForwardingStream(ByteStream& stream) : stream_{stream} {}
   ByteStream& stream() { return stream_; }
   const ByteStream& stream() const { return stream_; }
 

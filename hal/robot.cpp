@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "hal/leave.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {

@@ -110,22 +110,6 @@ hal::RobotOptions robot_options(const cargobay_options& options, const hal::Conf
   return robot;
 }
 
-// A robot borrows the link of a virtual Create, which lives longer.
-class BorrowedLink final : public hal::ForwardingStream {
- public:
-  explicit BorrowedLink(hal::ByteStream& link) : ForwardingStream{link} {}
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
-    return stream().wait(deadline);
-  }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    return stream().read(bytes);
-  }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    return stream().write(bytes);
-  }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream().now(); }
-};
-
 // The virtual Create's end of the line, or a code.
 int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& object,
              std::unique_ptr<hal::ByteStream>& stream) {
@@ -145,7 +129,7 @@ int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& o
     link.discard_input();
     if (link.set_baud(baud)) return bad_argument("`baud` cannot be set");
     if (link.set_wake_threshold(1)) return bad_argument("the link cannot be set up");
-    stream = std::make_unique<BorrowedLink>(link);
+    stream = std::make_unique<hal::ForwardingStream>(link);  // the link stays the virtual Create's
     return CARGOBAY_OK;
   }
   auto opened = hal::open_port(object.sim->server->path(), baud);

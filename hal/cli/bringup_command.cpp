@@ -16,6 +16,7 @@
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/write_file.hpp"
+#include "hal/leave.hpp"
 #include "hal/open_pins.hpp"
 #include "hal/sim/virtual_create.hpp"
 #include "oi/encode.hpp"

@@ -4,6 +4,7 @@
 #include "hal/control_cycle.hpp"
 #include "hal/flight_recorder.hpp"
 #include "hal/jitter/stamped_stream.hpp"
+#include "hal/leave.hpp"
 #include "hal/recording_stream.hpp"
 #include "oi/limits.hpp"
 #include "oi/stream_budget.hpp"

@@ -18,9 +18,6 @@ class StampedStream final : public ForwardingStream {
     stamps_.woken_ns.store(rt::nanoseconds(stream().now()), std::memory_order_relaxed);
     return woken;
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    return stream().read(bytes);
-  }
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
     const Transfer transfer = stream().write(bytes);
     stamps_.written_ns.store(rt::nanoseconds(stream().now()), std::memory_order_relaxed);
@@ -28,7 +25,6 @@ class StampedStream final : public ForwardingStream {
     stamps_.answers.fetch_add(1, std::memory_order_release);
     return transfer;
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream().now(); }
   std::uint32_t baud() const override { return baud_; }
 
  private:

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hal/bring_up.hpp"
+#include "hal/leave.hpp"
 #include "hal/sim/pins.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/uart_line.hpp"

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/frame_lists.hpp"
+#include "hal/leave.hpp"
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "hal/bring_up.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/leave.hpp"
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
 #include "oi/stream_budget.hpp"
