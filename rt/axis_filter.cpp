@@ -53,13 +53,13 @@ AxisFilter::AxisFilter(const Parameters& parameters) : parameters_{parameters} {
   const double tick = parameters.tick_s;
   const double decay = std::exp(-tick / lag);
   const double travel = lag * (1.0 - decay);  // mm for 1 mm/s of initial speed
-  transition_ << 1.0, travel, tick - travel,  //
-      0.0, decay, 1.0 - decay,                //
-      0.0, 0.0, 1.0;
-  coasting_ << transition_;
-  coasting_(kPosition, kDisturbance) = 0.0;
-  coasting_(kSpeed, kDisturbance) = 0.0;
-  input_ << tick - travel, 1.0 - decay, 0.0;
+  transition_ = {.position_by_speed = travel,
+                 .position_by_input = tick - travel,
+                 .speed_by_speed = decay,
+                 .speed_by_input = 1.0 - decay};
+  coasting_ = transition_;
+  coasting_.position_by_input = 0.0;
+  coasting_.speed_by_input = 0.0;
   reset();
 }
 
@@ -74,24 +74,52 @@ void AxisFilter::reset() noexcept CARGOBAY_NONBLOCKING {
 
 void AxisFilter::predict(double command_mm_s, double disturbance_sd_mm_s,
                          double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
-  propagate(transition_, std::hypot(parameters_.disturbance_noise_mm_s, disturbance_sd_mm_s),
-            position_sd_mm);
-  state_ += input_ * command_mm_s;
+  const double noise = parameters_.disturbance_noise_mm_s;
+  propagate(transition_, noise * noise + disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
+  state_[kPosition] += transition_.position_by_input * command_mm_s;
+  state_[kSpeed] += transition_.speed_by_input * command_mm_s;
 }
 
 void AxisFilter::coast(double disturbance_sd_mm_s,
                        double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
-  propagate(coasting_, disturbance_sd_mm_s, position_sd_mm);
+  propagate(coasting_, disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
 }
 
-void AxisFilter::propagate(const Eigen::Matrix3d& transition, double disturbance_sd_mm_s,
+// F x and F P F' written out: most of F is 0 or 1, and P symmetric. An eighth of the instructions
+// of the products of matrices.
+void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
                            double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
-  state_ = (transition * state_).eval();
-  covariance_ = (transition * covariance_ * transition.transpose()).eval();
+  const auto& [position_by_speed, position_by_input, speed_by_speed, speed_by_input] = tick;
+  const double speed = state_[kSpeed];
+  const double input = state_[kDisturbance];
+  state_[kPosition] += position_by_speed * speed + position_by_input * input;
+  state_[kSpeed] = speed_by_speed * speed + speed_by_input * input;
+
+  Eigen::Matrix3d& p = covariance_;
+  const double speed_speed = p(kSpeed, kSpeed);
+  const double speed_input = p(kSpeed, kDisturbance);
+  const double input_input = p(kDisturbance, kDisturbance);
+  // Of F P, what is needed of its rows.
+  const double position_position = p(kPosition, kPosition) +
+                                   position_by_speed * p(kPosition, kSpeed) +
+                                   position_by_input * p(kPosition, kDisturbance);
+  const double position_speed =
+      p(kPosition, kSpeed) + position_by_speed * speed_speed + position_by_input * speed_input;
+  const double position_input = p(kPosition, kDisturbance) + position_by_speed * speed_input +
+                                position_by_input * input_input;
+  const double moved_speed_speed = speed_by_speed * speed_speed + speed_by_input * speed_input;
+  const double moved_speed_input = speed_by_speed * speed_input + speed_by_input * input_input;
+
   const double speed_noise = parameters_.speed_noise_mm_s;
-  covariance_(kPosition, kPosition) += position_sd_mm * position_sd_mm;
-  covariance_(kSpeed, kSpeed) += speed_noise * speed_noise;
-  covariance_(kDisturbance, kDisturbance) += disturbance_sd_mm_s * disturbance_sd_mm_s;
+  p(kPosition, kPosition) = position_position + position_by_speed * position_speed +
+                            position_by_input * position_input + position_sd_mm * position_sd_mm;
+  p(kPosition, kSpeed) = p(kSpeed, kPosition) =
+      speed_by_speed * position_speed + speed_by_input * position_input;
+  p(kPosition, kDisturbance) = p(kDisturbance, kPosition) = position_input;
+  p(kSpeed, kSpeed) = speed_by_speed * moved_speed_speed + speed_by_input * moved_speed_input +
+                      speed_noise * speed_noise;
+  p(kSpeed, kDisturbance) = p(kDisturbance, kSpeed) = moved_speed_input;
+  p(kDisturbance, kDisturbance) = input_input + disturbance_variance;
 }
 
 double AxisFilter::read(int count, Remainder remainder) noexcept CARGOBAY_NONBLOCKING {

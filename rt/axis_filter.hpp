@@ -76,14 +76,23 @@ class AxisFilter {
   static constexpr Eigen::Index kSpeed = 1;
   static constexpr Eigen::Index kDisturbance = 2;
 
-  void propagate(const Eigen::Matrix3d& transition, double disturbance_sd_mm_s,
+  // What a tick does to the state: the entries of its matrix that are not 0 or 1,
+  //   1  position_by_speed  position_by_input
+  //   0  speed_by_speed     speed_by_input
+  //   0  0                  1
+  struct Transition {
+    double position_by_speed;
+    double position_by_input;
+    double speed_by_speed;
+    double speed_by_input;
+  };
+  void propagate(const Transition& tick, double disturbance_variance,
                  double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
   void forget_position(double variance) noexcept CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
-  Eigen::Matrix3d transition_;
-  Eigen::Matrix3d coasting_;  // the same without the disturbance's part
-  Eigen::Vector3d input_;
+  Transition transition_;
+  Transition coasting_;  // the same without the disturbance's part
   Eigen::Vector3d state_;
   Eigen::Matrix3d covariance_;
   double read_mm_ = 0.0;    // the way up to where state_'s position begins

@@ -34,6 +34,9 @@ AxisFilter::Parameters turn_axis(const WheelEstimator::Parameters& parameters) {
           .counter_noise_mm = 0.2};
 }
 
+// As std::hypot, for what neither overflows nor vanishes.
+double length(double a, double b) noexcept CARGOBAY_NONBLOCKING { return std::sqrt(a * a + b * b); }
+
 // How far a wheel's counter may go astray in one tick: it takes its sign from the command, so a
 // wheel still rolling the old way counts the wrong way.
 double coasting_error_mm(double command_mm_s, double speed_mm_s,
@@ -65,11 +68,11 @@ void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
   ticks_since_read_ = 0;
   command_unsure_ = 0;
   reading_unsure_ = true;  // the first reading counts from the robot's last read, whenever that was
-  log_odds_ = kInitialLogOdds;
+  set_log_odds(kInitialLogOdds);
   belief_ = RemainderBelief::unknown;
   if (parameters_.remainder.has_value()) {
     const bool is_carried = *parameters_.remainder == Remainder::carried;
-    log_odds_ = is_carried ? kMostLogOdds : -kMostLogOdds;
+    set_log_odds(is_carried ? kMostLogOdds : -kMostLogOdds);
     belief_ = is_carried ? RemainderBelief::carried : RemainderBelief::lost;
   }
 }
@@ -81,10 +84,10 @@ void WheelEstimator::predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBL
   const double right = late * sent_.right_mm_s + (1.0 - late) * command.right_mm_s;
   const double left_sd = parameters_.droop_sd * (command.left_mm_s - sent_.left_mm_s);
   const double right_sd = parameters_.droop_sd * (command.right_mm_s - sent_.right_mm_s);
-  const double change_sd = std::hypot(left_sd, right_sd);
+  const double change_sd = length(left_sd, right_sd);
   const double astray =
-      std::hypot(coasting_error_mm(command.left_mm_s, now.left_mm_s, parameters_.tick_s),
-                 coasting_error_mm(command.right_mm_s, now.right_mm_s, parameters_.tick_s));
+      length(coasting_error_mm(command.left_mm_s, now.left_mm_s, parameters_.tick_s),
+             coasting_error_mm(command.right_mm_s, now.right_mm_s, parameters_.tick_s));
   for (Hypothesis* hypothesis : {&carried_, &lost_}) {
     if (left == 0.0 && right == 0.0) {
       hypothesis->distance.coast(change_sd / 2.0, astray / 2.0);
@@ -148,17 +151,18 @@ void WheelEstimator::step_lost(const WheelSpeeds& command,
 
 void WheelEstimator::weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING {
   if (parameters_.remainder.has_value() || std::abs(log_odds) < kLeastEvidence) return;
-  log_odds_ = std::clamp(log_odds_ + log_odds, -kMostLogOdds, kMostLogOdds);
+  set_log_odds(std::clamp(log_odds_ + log_odds, -kMostLogOdds, kMostLogOdds));
   if (log_odds_ >= parameters_.decision_log_odds) belief_ = RemainderBelief::carried;
   if (log_odds_ <= -parameters_.decision_log_odds) belief_ = RemainderBelief::lost;
 }
 
-double WheelEstimator::carried_weight() const noexcept CARGOBAY_NONBLOCKING {
-  return 1.0 / (1.0 + std::exp(-log_odds_));
+void WheelEstimator::set_log_odds(double log_odds) noexcept CARGOBAY_NONBLOCKING {
+  log_odds_ = log_odds;
+  carried_weight_ = 1.0 / (1.0 + std::exp(-log_odds));
 }
 
 WheelSpeeds WheelEstimator::speeds() const noexcept CARGOBAY_NONBLOCKING {
-  const double weight = carried_weight();
+  const double weight = carried_weight_;
   const double mean =
       weight * carried_.distance.speed_mm_s() + (1.0 - weight) * lost_.distance.speed_mm_s();
   const double difference =
@@ -178,7 +182,7 @@ WheelEstimator::Taken WheelEstimator::total(const Hypothesis& hypothesis) noexce
 Travel WheelEstimator::take_travel() noexcept CARGOBAY_NONBLOCKING {
   const Taken carried = total(carried_);
   const Taken lost = total(lost_);
-  const double weight = carried_weight();
+  const double weight = carried_weight_;
   const auto since = [&](double Taken::* member) noexcept CARGOBAY_NONBLOCKING {
     return weight * (carried.*member - carried_taken_.*member) +
            (1.0 - weight) * (lost.*member - lost_taken_.*member);

@@ -21,7 +21,7 @@
 namespace cargobay::rt {
 
 // What is known of the remainder.
-enum class RemainderBelief { unknown, carried, lost };
+enum class RemainderBelief : std::uint8_t { unknown, carried, lost };
 
 class WheelEstimator {
  public:
@@ -89,7 +89,7 @@ class WheelEstimator {
   bool plausible(const Reading& reading) const noexcept CARGOBAY_NONBLOCKING;
   void read_unseen() noexcept CARGOBAY_NONBLOCKING;
   void weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING;
-  double carried_weight() const noexcept CARGOBAY_NONBLOCKING;
+  void set_log_odds(double log_odds) noexcept CARGOBAY_NONBLOCKING;
 
   // Way and forgotten variance of one hypothesis, as they were when they were last taken.
   struct Taken {
@@ -107,6 +107,7 @@ class WheelEstimator {
   Taken lost_taken_{};
   WheelSpeeds sent_{};  // the command that acts at the start of the next tick
   double log_odds_ = 0.0;
+  double carried_weight_ = 0.5;  // the probability that these odds are
   double carried_likelihood_ = 0.0;
   double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;

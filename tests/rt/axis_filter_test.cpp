@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 namespace cargobay::rt {
@@ -71,6 +72,47 @@ Outcome follow(const Course& run) {
     ++count;
   }
   return {.rmse_mm_s = std::sqrt(squares / count), .disturbance_mm_s = filter.disturbance_mm_s()};
+}
+
+// x = F x + G u, P = F P F' + Q as the textbook has them, against what is written out in the
+// filter.
+TEST(AxisFilter, PredictsAsTheMatricesSay) {
+  const AxisFilter::Parameters parameters{.step_mm = 1.5};
+  AxisFilter filter{parameters};
+  const double decay = std::exp(-kTick / kLag);
+  const double travel = kLag * (1.0 - decay);
+  Eigen::Matrix3d moving;
+  moving << 1.0, travel, kTick - travel, 0.0, decay, 1.0 - decay, 0.0, 0.0, 1.0;
+  Eigen::Matrix3d coasting = moving;
+  coasting.topRightCorner<2, 1>().setZero();
+  const Eigen::Vector3d input{kTick - travel, 1.0 - decay, 0.0};
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d p = Eigen::Vector3d{1.5 * 1.5 / 3.0, 0.0, 25.0}.asDiagonal();
+  std::mt19937 random{7};
+  std::uniform_real_distribution<double> uniform{0.0, 1.0};
+  for (int i = 0; i < 500; ++i) {
+    const bool coasts = uniform(random) < 0.2;
+    const double command = 400.0 * uniform(random) - 200.0;
+    const double disturbance_sd = 3.0 * uniform(random);
+    const double position_sd = uniform(random);
+    const Eigen::Matrix3d& f = coasts ? coasting : moving;
+    x = (f * x).eval();
+    if (!coasts) x += input * command;
+    p = (f * p * f.transpose()).eval();
+    const double noise = coasts ? 0.0 : parameters.disturbance_noise_mm_s;
+    p.diagonal() += Eigen::Vector3d{position_sd * position_sd,
+                                    parameters.speed_noise_mm_s * parameters.speed_noise_mm_s,
+                                    noise * noise + disturbance_sd * disturbance_sd};
+    if (coasts) {
+      filter.coast(disturbance_sd, position_sd);
+    } else {
+      filter.predict(command, disturbance_sd, position_sd);
+    }
+    ASSERT_NEAR(filter.travel_mm(), x[0], 1e-9 * (1.0 + std::abs(x[0]))) << i;
+    ASSERT_NEAR(filter.speed_mm_s(), x[1], 1e-9 * (1.0 + std::abs(x[1]))) << i;
+    ASSERT_NEAR(filter.unread_variance(), p(0, 0), 1e-9 * p(0, 0)) << i;
+    ASSERT_NEAR(filter.speed_variance(), p(1, 1), 1e-9 * p(1, 1)) << i;
+  }
 }
 
 TEST(AxisFilter, FollowsAKnownTrajectory) {
