@@ -103,9 +103,9 @@ ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   const ByteStream::Transfer transfer = stream_.read(received_);
   if (transfer.error != 0) return end(CycleEnd::hung_up);
   if (transfer.count > 0) last_bytes_ = now;
-  Readings readings = decode({received_.data(), transfer.count});
-  if (readings.empty() && now - last_bytes_ >= kQuietTicks * tick_) give_up_open_frame(readings);
-  if (!readings.empty()) return answer(now, readings);
+  decode({received_.data(), transfer.count});
+  if (readings_.empty() && now - last_bytes_ >= kQuietTicks * tick_) give_up_open_frame();
+  if (!readings_.empty()) return answer(now);
   return now >= deadline_ ? late() : Step::on;
 }
 
@@ -117,18 +117,17 @@ rt::TimePoint ControlCycle::wake_time() const noexcept CARGOBAY_NONBLOCKING {
   return whole ? deadline_ : std::min(deadline_, stream_.now() + frame_time_ + kHandOver);
 }
 
-ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival,
-                                        const Readings& readings) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   take_requests();
-  account(arrival, readings);
+  account(arrival);
   CycleState state{.tick = ticks_.ticks(),
                    .arrival = arrival,
-                   .mode = mode_watch_.mode(),
                    .estimate = loop_.estimate(),
                    .remainder = loop_.belief(),
-                   .reading = readings[readings.size() - 1],
-                   .battery_mv = power_.battery().voltage_mv,
+                   .mode = mode_watch_.mode(),
                    .hazards = hazards_in(sensors_),
+                   .reading = readings_[readings_.size() - 1],
+                   .battery_mv = power_.battery().voltage_mv,
                    .bumps = bumps_,
                    .pose = odometry_.pose(),
                    .distance_mm = odometry_.distance_mm(),
@@ -175,12 +174,11 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   state.command = loop_.control(state.target);
   state.set = loop_.set();
   const FrameList list = next_list();
-  const rt::TimePoint now = stream_.now();
-  const rt::TimePoint reaches = std::max(now, line_free_) + fill_time(fill());
+  const rt::TimePoint reaches = std::max(decided, line_free_) + fill_time(fill());
   // Behind a long command the next would come when it is no more true.
-  const bool line_busy = line_free_ - now > way_around(tick_);
+  const bool line_busy = line_free_ - decided > way_around(tick_);
   const bool withhold = line_busy || tick_has_command(reaches);
-  const Sent sent = withhold ? Sent::withheld : send(state.command, list);
+  const Sent sent = withhold ? Sent::withheld : send(state.command, list, decided);
   const rt::TimePoint written = stream_.now();
   if (written - decided > kOwnWork) ++overruns_.write;
   frame_to_command_ns_.record(static_cast<std::uint64_t>((written - state.arrival).count()));
@@ -283,17 +281,17 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   }
   if (silence >= parameters_.stop_after && !stopped_in_silence_) stop_in_silence();
   if (!stop_owed_) return Step::on;
-  const Sent sent = send({}, list_);
+  const Sent sent = send({}, list_, now);
   stop_owed_ = sent == Sent::not_whole;
   if (stop_owed_) ++unsent_;
   return sent == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
 }
 
 // Whole means that this very command was.
-ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command,
-                                      FrameList list) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command, FrameList list,
+                                      rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
   const std::size_t zeros = fill();
-  last_command_ = stream_.now() + fill_time(zeros);
+  last_command_ = now + fill_time(zeros);
   // The rest of a command is one: another behind it would be the second in this tick. A stop does
   // not wait for the next.
   const bool only_rest = outgoing_.drives() && command != rt::WheelSpeeds{};
@@ -351,7 +349,7 @@ void ControlCycle::stop_wheels() noexcept CARGOBAY_NONBLOCKING {
   // In Passive it would not obey, and was reported to spoil the next start.
   const bool obeys = mode_watch_.mode() == oi::Mode::safe || mode_watch_.mode() == oi::Mode::full;
   if (mode_watch_.state() != ModeWatch::State::driving && !obeys) return;
-  (void)send({}, list_);  // what fails here, leave() tries again
+  (void)send({}, list_, stream_.now());  // what fails here, leave() tries again
 }
 
 }  // namespace cargobay::hal

@@ -54,23 +54,23 @@ enum class OnModeLoss : std::uint8_t {
 
 // One tick of the loop, as others see it.
 struct CycleState {
-  std::int64_t tick = 0;    // of the robot, since the first frame
-  rt::TimePoint arrival{};  // of the frame, on the stream's clock
-  oi::Mode mode = oi::Mode::off;
+  std::int64_t tick = 0;     // of the robot, since the first frame
+  rt::TimePoint arrival{};   // of the frame, on the stream's clock
   rt::WheelSpeeds target{};  // as asked for; 0 where nothing valid was
   rt::WheelSpeeds set{};     // behind the acceleration limit
   rt::WheelSpeeds estimate{};
   rt::WheelSpeeds command{};  // as sent
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
+  oi::Mode mode = oi::Mode::off;
   bool setpoint_lapsed = false;
+  Hazards hazards{};  // that this frame tells of, whether or not they stop the robot
   // What the robot said of its counters, where this frame reads them.
   std::optional<rt::WheelEstimator::Reading> reading{};
   std::int32_t battery_mv = 0;  // 0 until the first frame that tells
-  Hazards hazards{};            // that this frame tells of, whether or not they stop the robot
   Bumps bumps{};                // as the last frame told that has them
-  rt::Pose pose{};              // by odometry, and its covariance: x, y, heading
+  rt::Pose pose{};              // by odometry
   double distance_mm = 0.0;
-  std::array<double, 9> pose_covariance{};
+  rt::PoseCovariance pose_covariance{};
 };
 
 // Behind the first frame each tick of the robot is counted once: good, bad or lost. What may still
@@ -233,12 +233,12 @@ class ControlCycle {
 
   Step receive() noexcept CARGOBAY_NONBLOCKING;
   rt::TimePoint wake_time() const noexcept CARGOBAY_NONBLOCKING;
-  Readings decode(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING;
-  void take(oi::StreamDecoder::Outcome outcome, Readings& readings) noexcept CARGOBAY_NONBLOCKING;
-  void give_up_open_frame(Readings& readings) noexcept CARGOBAY_NONBLOCKING;
+  void decode(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING;
+  void take(oi::StreamDecoder::Outcome outcome) noexcept CARGOBAY_NONBLOCKING;
+  void give_up_open_frame() noexcept CARGOBAY_NONBLOCKING;
   std::optional<rt::WheelEstimator::Reading> take_frame() noexcept CARGOBAY_NONBLOCKING;
-  Step answer(rt::TimePoint arrival, const Readings& readings) noexcept CARGOBAY_NONBLOCKING;
-  void account(rt::TimePoint arrival, const Readings& readings) noexcept CARGOBAY_NONBLOCKING;
+  Step answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
+  void account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   void account_for_ticks(rt::TimePoint arrival, int frames) noexcept CARGOBAY_NONBLOCKING;
   std::uint64_t newly_damaged(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   void take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING;
@@ -257,7 +257,8 @@ class ControlCycle {
   void add_command() noexcept CARGOBAY_NONBLOCKING;
   std::size_t longest_rest() const noexcept CARGOBAY_NONBLOCKING;
   bool tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING;
-  Sent send(const rt::WheelSpeeds& command, FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  Sent send(const rt::WheelSpeeds& command, FrameList list,
+            rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
   bool bytes_are_missing(std::int64_t ticks) const noexcept CARGOBAY_NONBLOCKING;
   void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
   std::size_t fill() const noexcept CARGOBAY_NONBLOCKING;
@@ -301,6 +302,7 @@ class ControlCycle {
   SensorBoard board_{};
   Bumps bumps_{};
   std::array<std::uint8_t, kReceiveBytes> received_{};
+  Readings readings_{};  // of the frames that this pass received
 
   FrameRotation rotation_{};
   FrameList list_ = FrameList::reading;         // that the robot was last told to stream

@@ -13,38 +13,31 @@ constexpr std::size_t kMostOfAFrame = kFrameBytes + 2;
 
 }  // namespace
 
-ControlCycle::Readings ControlCycle::decode(std::span<const std::uint8_t> bytes) noexcept
-    CARGOBAY_NONBLOCKING {
-  using Outcome = oi::StreamDecoder::Outcome;
-  Readings readings;
-  for (const std::uint8_t byte : bytes) {
-    for (Outcome outcome = decoder_.push(byte); outcome != Outcome::nothing;
-         outcome = decoder_.next()) {
-      take(outcome, readings);
-    }
-  }
-  return readings;
+void ControlCycle::decode(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
+  readings_.clear();
+  decoder_.push(bytes, [this](oi::StreamDecoder::Outcome outcome) noexcept CARGOBAY_NONBLOCKING {
+    take(outcome);
+  });
 }
 
 // The line is quiet: what looked like the beginning of a frame will not be finished, and may have
 // hidden a whole one.
-void ControlCycle::give_up_open_frame(Readings& readings) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::give_up_open_frame() noexcept CARGOBAY_NONBLOCKING {
   using Outcome = oi::StreamDecoder::Outcome;
   for (Outcome outcome = decoder_.abandon(); outcome != Outcome::nothing;
        outcome = decoder_.abandon()) {
-    take(outcome, readings);
+    take(outcome);
   }
 }
 
-void ControlCycle::take(oi::StreamDecoder::Outcome outcome,
-                        Readings& readings) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::take(oi::StreamDecoder::Outcome outcome) noexcept CARGOBAY_NONBLOCKING {
   if (outcome == oi::StreamDecoder::Outcome::corrupt) {
     ++corrupt_;
   } else {
     const std::optional<rt::WheelEstimator::Reading> reading = take_frame();
-    (void)readings.push_back(reading);  // has room: a frame is at least 5 bytes
+    (void)readings_.push_back(reading);  // has room: a frame is at least 5 bytes
     // The clock has not counted it yet.
-    const auto behind = static_cast<std::int64_t>(readings.size());
+    const auto behind = static_cast<std::int64_t>(readings_.size());
     watch(sensors_, ticks_.started() ? ticks_.ticks() + behind : 0);
   }
 }
@@ -105,21 +98,20 @@ void ControlCycle::tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLO
 }
 
 // Books the arrival, good and lost, and takes the estimator to the present tick.
-void ControlCycle::account(rt::TimePoint arrival,
-                           const Readings& readings) noexcept CARGOBAY_NONBLOCKING {
-  frames_.good += readings.size();
+void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+  frames_.good += readings_.size();
   const std::uint64_t seen_damaged = newly_damaged(arrival);
   if (!ticks_.started()) {
     ticks_.start(arrival);  // damage was to whatever was under way when we began to listen
   } else {
     damaged_ += seen_damaged;
-    account_for_ticks(arrival, static_cast<int>(readings.size()));
+    account_for_ticks(arrival, static_cast<int>(readings_.size()));
     // Of several together all but the last are a tick late at least.
     const bool late = arrival - ticks_.due_by(arrival) > parameters_.late_margin;
-    if (late || readings.size() > 1) ++overruns_.wait;
+    if (late || readings_.size() > 1) ++overruns_.wait;
     period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
-  for (const auto& reading : readings) {
+  for (const auto& reading : readings_) {
     loop_.frame(reading);
     odometry_.step(loop_.take_travel());
   }

@@ -9,6 +9,7 @@ namespace cargobay::hal {
 // What needs no room on the line is done at once; a command waits for its own frame, and what was
 // asked for behind it waits with it.
 void ControlCycle::take_requests() noexcept CARGOBAY_NONBLOCKING {
+  if (requests_.empty()) return;  // which is cheaper to ask than a request to make
   Request request;
   for (std::size_t i = 0; i < kMostRequests && !command_ && requests_.pop(request); ++i) {
     if (observer_.request != nullptr) observer_.request(observer_.context, request);

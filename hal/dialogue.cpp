@@ -101,12 +101,9 @@ FramesHeard Dialogue::listen(const oi::StreamList& packets, oi::Mode mode, int e
   };
   const TimePoint until = stream_.now() + timeout;
   while (!over() && stream_.now() < until && heard.in_mode < enough) {
-    for (const std::uint8_t byte : take(until)) {
-      for (auto outcome = decoder.push(byte); outcome != oi::StreamDecoder::Outcome::nothing;
-           outcome = decoder.next()) {
-        if (outcome == oi::StreamDecoder::Outcome::frame) look();
-      }
-    }
+    decoder.push(take(until), [&](oi::StreamDecoder::Outcome outcome) {
+      if (outcome == oi::StreamDecoder::Outcome::frame) look();
+    });
   }
   return heard;
 }

@@ -20,13 +20,9 @@ using Reading = std::optional<rt::WheelEstimator::Reading>;
 class Readings {
  public:
   void add(std::span<const std::uint8_t> bytes) {
-    using Outcome = oi::StreamDecoder::Outcome;
-    for (const std::uint8_t byte : bytes) {
-      for (Outcome outcome = decoder_.push(byte); outcome != Outcome::nothing;
-           outcome = decoder_.next()) {
-        if (outcome != Outcome::corrupt) readings_.push_back(reading());
-      }
-    }
+    decoder_.push(bytes, [this](oi::StreamDecoder::Outcome outcome) {
+      if (outcome == oi::StreamDecoder::Outcome::frame) readings_.push_back(reading());
+    });
   }
   std::vector<Reading> take() { return std::exchange(readings_, {}); }
 

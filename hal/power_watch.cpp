@@ -12,36 +12,35 @@ bool charges(const BatteryState& battery) noexcept CARGOBAY_NONBLOCKING {
 
 }  // namespace
 
-PowerWatch::News PowerWatch::see(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
-  News news;
-  if (frame.has(oi::PacketId::overcurrents)) see_overcurrents(frame.overcurrents(), news);
+const PowerWatch::News& PowerWatch::see(const oi::SensorValues& frame) noexcept
+    CARGOBAY_NONBLOCKING {
+  news_.clear();
+  if (frame.has(oi::PacketId::overcurrents)) see_overcurrents(frame.overcurrents());
   if (frame.has(oi::PacketId::battery_charge)) {
     see_battery({.voltage_mv = frame.raw(oi::PacketId::voltage),
                  .charge_mah = frame.raw(oi::PacketId::battery_charge),
                  .capacity_mah = frame.raw(oi::PacketId::battery_capacity),
-                 .charging = frame.charging_state()},
-                news);
+                 .charging = frame.charging_state()});
   }
-  return news;
+  return news_;
 }
 
-void PowerWatch::see_overcurrents(oi::BitSet<oi::Overcurrent> now,
-                                  News& news) noexcept CARGOBAY_NONBLOCKING {
+void PowerWatch::see_overcurrents(oi::BitSet<oi::Overcurrent> now) noexcept CARGOBAY_NONBLOCKING {
   const oi::BitSet<oi::Overcurrent> begun{
       static_cast<std::uint8_t>(now.raw() & ~overcurrents_.raw())};
   const bool ended = overcurrents_.any() && !now.any();
   overcurrents_ = now;
   if (begun.any()) {
-    (void)news.push_back({.what = EventKind::overcurrent_began, .overcurrents = begun});
+    (void)news_.push_back({.what = EventKind::overcurrent_began, .overcurrents = begun});
   } else if (ended) {
-    (void)news.push_back({.what = EventKind::overcurrent_ended});
+    (void)news_.push_back({.what = EventKind::overcurrent_ended});
   }  // has room for one of each watch: kMostNews
 }
 
-void PowerWatch::see_battery(const BatteryState& now, News& news) noexcept CARGOBAY_NONBLOCKING {
+void PowerWatch::see_battery(const BatteryState& now) noexcept CARGOBAY_NONBLOCKING {
   if (charges(now) != charges(battery_)) {
     const EventKind what = charges(now) ? EventKind::charging_began : EventKind::charging_ended;
-    (void)news.push_back({.what = what, .battery = now});
+    (void)news_.push_back({.what = what, .battery = now});
   }
   battery_ = now;
   const bool otherwise = low_ ? has_recovered(now) : is_low(now);
@@ -49,7 +48,7 @@ void PowerWatch::see_battery(const BatteryState& now, News& news) noexcept CARGO
   if (otherwise_ < kReadings) return;
   low_ = !low_;
   otherwise_ = 0;
-  (void)news.push_back(
+  (void)news_.push_back(
       {.what = low_ ? EventKind::battery_low : EventKind::battery_recovered, .battery = now});
 }
 

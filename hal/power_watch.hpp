@@ -27,14 +27,14 @@ class PowerWatch {
 
   explicit PowerWatch(const Limits& limits) : limits_{limits} {}
 
-  // Each frame. Returns what is to be told.
-  News see(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+  // Each frame. Returns what is to be told; valid until the next.
+  const News& see(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
   // All 0 until the first frame that tells.
   const BatteryState& battery() const noexcept CARGOBAY_NONBLOCKING { return battery_; }
 
  private:
-  void see_overcurrents(oi::BitSet<oi::Overcurrent> now, News& news) noexcept CARGOBAY_NONBLOCKING;
-  void see_battery(const BatteryState& now, News& news) noexcept CARGOBAY_NONBLOCKING;
+  void see_overcurrents(oi::BitSet<oi::Overcurrent> now) noexcept CARGOBAY_NONBLOCKING;
+  void see_battery(const BatteryState& now) noexcept CARGOBAY_NONBLOCKING;
   bool is_low(const BatteryState& battery) const noexcept CARGOBAY_NONBLOCKING;
   bool has_recovered(const BatteryState& battery) const noexcept CARGOBAY_NONBLOCKING;
 
@@ -43,6 +43,7 @@ class PowerWatch {
   bool low_ = false;
   int otherwise_ = 0;  // readings in a row that say the other of low_
   oi::BitSet<oi::Overcurrent> overcurrents_{};
+  News news_{};
 };
 
 }  // namespace cargobay::hal

@@ -29,13 +29,12 @@ class SensorBoard {
   // From the control thread. Wait-free. Ticks count to 2^32, two years.
   void see(const oi::SensorValues& frame, std::int64_t at) noexcept CARGOBAY_NONBLOCKING {
     const std::uint64_t tick = static_cast<std::uint64_t>(at + 1) << 32U;  // 0: never
-    for (std::size_t id = oi::kFirstSinglePacket; id < kSlots; ++id) {
-      const oi::PacketId packet{static_cast<std::uint8_t>(id)};
-      if (!frame.has(packet)) continue;
+    frame.visit([&](oi::PacketId packet, std::int32_t value) noexcept CARGOBAY_NONBLOCKING {
+      const auto id = static_cast<std::size_t>(packet);
+      if (id >= kSlots) return;  // of a later robot
       // Relaxed: the word carries all there is to know of this packet.
-      words_[id].store(tick | static_cast<std::uint32_t>(frame.raw(packet)),
-                       std::memory_order_relaxed);
-    }
+      words_[id].store(tick | static_cast<std::uint32_t>(value), std::memory_order_relaxed);
+    });
   }
   // From any thread. Wait-free.
   SensorReadings readings() const noexcept CARGOBAY_NONBLOCKING {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -92,16 +93,24 @@ std::string_view bit_name(PacketId packet, unsigned bit);
 class SensorValues {
  public:
   // Whether the single packet has been set. The accessors below give 0 for one that has not.
-  constexpr bool has(PacketId packet) const { return present_[index(packet)]; }
+  constexpr bool has(PacketId packet) const { return (present_ & bit(packet)) != 0; }
   constexpr std::int32_t raw(PacketId packet) const { return raw_[index(packet)]; }
   constexpr void set(PacketId packet, std::int32_t value) {
     raw_[index(packet)] = value;
-    present_[index(packet)] = true;
+    present_ |= bit(packet);
   }
   // Forgets all values, not the count below.
   constexpr void clear() {
     raw_ = {};
-    present_ = {};
+    present_ = 0;
+  }
+  // Calls `see(packet, raw value)` for each that has been set, in rising order.
+  template <typename See>
+  constexpr void visit(See see) const {
+    for (std::uint64_t rest = present_; rest != 0; rest &= rest - 1) {
+      const auto slot = static_cast<std::size_t>(std::countr_zero(rest));
+      see(PacketId{static_cast<std::uint8_t>(slot + kFirstSinglePacket)}, raw_[slot]);
+    }
   }
   // How many decoded values were outside the manual's range so far.
   constexpr std::uint64_t out_of_range() const { return out_of_range_; }
@@ -173,12 +182,14 @@ class SensorValues {
 
  private:
   static constexpr std::size_t kSlots = kLastExtensionPacket - kFirstSinglePacket + 1;
+  static_assert(kSlots <= 64);
 
   static constexpr std::size_t index(PacketId packet) {
     const auto id = static_cast<std::size_t>(packet);
     assert(id >= kFirstSinglePacket && id <= kLastExtensionPacket);
     return id - kFirstSinglePacket;
   }
+  static constexpr std::uint64_t bit(PacketId packet) { return std::uint64_t{1} << index(packet); }
   constexpr std::uint8_t byte(PacketId packet) const {
     return static_cast<std::uint8_t>(raw(packet));
   }
@@ -189,7 +200,7 @@ class SensorValues {
   }
 
   std::array<std::int32_t, kSlots> raw_{};
-  std::array<bool, kSlots> present_{};
+  std::uint64_t present_ = 0;  // a bit for each slot
   std::uint64_t out_of_range_ = 0;
 };
 

@@ -64,13 +64,20 @@ class StreamDecoder {
   // already held may be more frames. Whoever does not gets them with later bytes.
   constexpr Outcome push(std::uint8_t byte) noexcept {
     ++counters_.bytes;
-    if (end_ + 1 < gate_ && (byte != kFrameHeader || spare_headers_-- > 0)) {
-      held_[end_++] = byte;
-      return Outcome::nothing;
-    }
-    return push_with_care(byte);
+    return only_stores(byte) ? Outcome::nothing : push_with_care(byte);
   }
   constexpr Outcome next() noexcept { return in_lane_ ? Outcome::nothing : advance(); }
+  // The same for many: calls `see(outcome)` for each `frame` and each `corrupt` among them.
+  template <typename See>
+  constexpr void push(std::span<const std::uint8_t> bytes, See see) {
+    for (const std::uint8_t byte : bytes) {
+      ++counters_.bytes;
+      if (only_stores(byte)) continue;
+      for (Outcome outcome = push_with_care(byte); outcome != Outcome::nothing; outcome = next()) {
+        see(outcome);
+      }
+    }
+  }
 
   // The line has been quiet for too long for the rest of an open candidate to come: gives it up and
   // reads what is held again. To be called until it says `nothing`; then nothing is held.
@@ -114,6 +121,12 @@ class StreamDecoder {
   // are stored, and read as a whole when the last has come. If it is no such frame its bytes are
   // read one by one, as if they had just come. More than one 19 in its data could be the two
   // frames inside: then too.
+
+  constexpr bool only_stores(std::uint8_t byte) noexcept {
+    if (end_ + 1 >= gate_ || (byte == kFrameHeader && spare_headers_-- <= 0)) return false;
+    held_[end_++] = byte;
+    return true;
+  }
 
   constexpr Outcome push_with_care(std::uint8_t byte) noexcept {
     if (in_lane_) return push_in_lane(byte);

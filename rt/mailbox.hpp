@@ -6,6 +6,7 @@
 // along with programming language memory models?", 2012).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -25,13 +26,16 @@ class Mailbox {
  public:
   // From one thread only. Wait-free.
   void put(const T& value) noexcept CARGOBAY_NONBLOCKING {
-    std::array<std::uint64_t, kWords> words{};
-    std::memcpy(words.data(), &value, sizeof(T));
     const std::uint64_t sequence = sequence_.load(std::memory_order_relaxed);
     sequence_.store(sequence + 1, std::memory_order_relaxed);
+    const auto* from = reinterpret_cast<const unsigned char*>(&value);
+#pragma GCC unroll 64  // halves its time: tests/bench/cycle_bench.cpp, mailbox_put
     for (std::size_t i = 0; i < kWords; ++i) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, from + i * sizeof word,
+                  std::min(sizeof word, sizeof(T) - i * sizeof word));
       // Release: whoever sees this word also sees the odd sequence number before it.
-      words_[i].store(words[i], std::memory_order_release);
+      words_[i].store(word, std::memory_order_release);
     }
     sequence_.store(sequence + 2, std::memory_order_release);  // pairs with the first load of get()
   }

@@ -21,8 +21,9 @@ void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
   const double x_mm = chord_mm * cos_;
   const double y_mm = chord_mm * sin_;
 
-  // The heading was wrong already: the step goes astray across.
-  Covariance& p = grown_;
+  // The heading was wrong already: the step goes astray across. Written out, since most of what a
+  // product of matrices would add up is 0.
+  PoseCovariance& p = grown_;
   p.xx += -2.0 * y_mm * p.xh + y_mm * y_mm * p.hh;
   p.xy += x_mm * p.xh - y_mm * p.yh - x_mm * y_mm * p.hh;
   p.yy += 2.0 * x_mm * p.yh + x_mm * x_mm * p.hh;
@@ -51,12 +52,13 @@ void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
   unread_turn_ = travel.unread_turn_variance;
 }
 
-std::array<double, 9> Odometry::covariance() const noexcept CARGOBAY_NONBLOCKING {
-  const double xx = grown_.xx + cos_ * cos_ * unread_distance_;
-  const double xy = grown_.xy + cos_ * sin_ * unread_distance_;
-  const double yy = grown_.yy + sin_ * sin_ * unread_distance_;
-  const double hh = grown_.hh + unread_turn_;
-  return {xx, xy, grown_.xh, xy, yy, grown_.yh, grown_.xh, grown_.yh, hh};
+PoseCovariance Odometry::covariance() const noexcept CARGOBAY_NONBLOCKING {
+  PoseCovariance now = grown_;
+  now.xx += cos_ * cos_ * unread_distance_;
+  now.xy += cos_ * sin_ * unread_distance_;
+  now.yy += sin_ * sin_ * unread_distance_;
+  now.hh += unread_turn_;
+  return now;
 }
 
 }  // namespace cargobay::rt

@@ -8,8 +8,6 @@
 // One thread; no allocation.
 #pragma once
 
-#include <array>
-
 #include "rt/nonblocking.hpp"
 #include "rt/travel.hpp"
 
@@ -19,6 +17,16 @@ struct Pose {
   double x_mm = 0.0;         // ahead at heading 0
   double y_mm = 0.0;         // to the left of that
   double heading_rad = 0.0;  // counter-clockwise, not wrapped
+};
+
+// Of a pose, symmetric; h is the heading.
+struct PoseCovariance {
+  double xx = 0.0;  // mm^2
+  double xy = 0.0;
+  double xh = 0.0;  // mm rad
+  double yy = 0.0;
+  double yh = 0.0;
+  double hh = 0.0;  // rad^2
 };
 
 class Odometry {
@@ -39,24 +47,13 @@ class Odometry {
   const Pose& pose() const noexcept CARGOBAY_NONBLOCKING { return pose_; }
   // The way gone; backwards counts down. reset() leaves it.
   double distance_mm() const noexcept CARGOBAY_NONBLOCKING { return distance_mm_; }
-  // Of x, y and heading, row by row: mm^2, mm rad, rad^2.
-  std::array<double, 9> covariance() const noexcept CARGOBAY_NONBLOCKING;
+  PoseCovariance covariance() const noexcept CARGOBAY_NONBLOCKING;
 
  private:
   Parameters parameters_;
   Pose pose_{};
   double distance_mm_ = 0.0;
-  // Symmetric; h is the heading. Written out, since most of what a product of matrices would add up
-  // is 0.
-  struct Covariance {
-    double xx = 0.0;
-    double xy = 0.0;
-    double xh = 0.0;
-    double yy = 0.0;
-    double yh = 0.0;
-    double hh = 0.0;
-  };
-  Covariance grown_{};
+  PoseCovariance grown_{};
   double cos_ = 1.0;  // of the heading in the middle of the last step
   double sin_ = 0.0;
   double unread_distance_ = 0.0;

@@ -41,6 +41,11 @@ class SpscRing {
     return true;
   }
 
+  // From the reading thread.
+  bool empty() const noexcept CARGOBAY_NONBLOCKING {
+    return tail_.load(std::memory_order_relaxed) == head_.load(std::memory_order_acquire);
+  }
+
   // Values that found the ring full; from any thread.
   std::uint64_t dropped() const noexcept CARGOBAY_NONBLOCKING {
     return dropped_.load(std::memory_order_relaxed);

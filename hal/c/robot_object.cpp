@@ -1,6 +1,9 @@
 #include "hal/c/robot_object.hpp"
 
+#include <algorithm>
+#include <array>
 #include <exception>
+#include <iterator>
 
 #include "hal/c/errors.hpp"
 #include "oi/limits.hpp"
@@ -139,8 +142,9 @@ cargobay_state c_state(const RobotObject& robot,
   seen.y_mm = state.pose.y_mm;
   seen.heading_rad = state.pose.heading_rad;
   seen.distance_mm = state.distance_mm;
-  for (std::size_t i = 0; i < state.pose_covariance.size(); ++i)
-    seen.covariance[i] = state.pose_covariance[i];
+  const rt::PoseCovariance& p = state.pose_covariance;
+  const std::array covariance{p.xx, p.xy, p.xh, p.xy, p.yy, p.yh, p.xh, p.yh, p.hh};
+  std::copy(covariance.begin(), covariance.end(), std::begin(seen.covariance));
   seen.remainder = c_remainder(state.remainder);
   seen.setpoint_lapsed = state.setpoint_lapsed ? 1 : 0;
   seen.hazards = state.hazards.raw();

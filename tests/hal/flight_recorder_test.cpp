@@ -53,12 +53,12 @@ TEST(FlightRecorder, GivesBackWhatItWasTold) {
   const std::array<std::uint8_t, 5> command{145, 0, 100, 0, 200};
   const CycleState state{.tick = -3,
                          .arrival = kStart,
-                         .mode = oi::Mode::safe,
                          .target = {-0.0, 1e-300},
                          .set = {1.5, -2.5},
                          .estimate = {std::numeric_limits<double>::infinity(), 0.1},
                          .command = {100.0, 200.0},
                          .remainder = rt::RemainderBelief::lost,
+                         .mode = oi::Mode::safe,
                          .setpoint_lapsed = true,
                          .battery_mv = -7};
   recorder.waited(ByteStream::Wait::timed_out);

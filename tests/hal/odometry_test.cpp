@@ -41,7 +41,9 @@ Errors errors(sim::Remainder kind) {
     const CycleState& last = result.ticks.back().state;
     const Eigen::Vector3d error{last.pose.x_mm - truth.x_mm, last.pose.y_mm - truth.y_mm,
                                 last.pose.heading_rad - truth.heading_rad};
-    const Eigen::Matrix3d covariance{last.pose_covariance.data()};
+    const rt::PoseCovariance& p = last.pose_covariance;
+    Eigen::Matrix3d covariance;
+    covariance << p.xx, p.xy, p.xh, p.xy, p.yy, p.yh, p.xh, p.yh, p.hh;
     found.position_mm = std::max(found.position_mm, std::hypot(error.x(), error.y()));
     found.heading_rad = std::max(found.heading_rad, std::abs(error.z()));
     constexpr double kChiSquare99 = 11.34;  // of three degrees of freedom

@@ -20,20 +20,13 @@ inline Bytes operator+(Bytes left, const Bytes& right) {
   return left;
 }
 
-// What one call and the calls of next() behind it delivered.
-inline void drain(StreamDecoder& decoder, StreamDecoder::Outcome outcome,
-                  std::vector<Bytes>& frames) {
-  while (outcome != StreamDecoder::Outcome::nothing) {
-    if (outcome == StreamDecoder::Outcome::frame) {
-      frames.emplace_back(decoder.frame().begin(), decoder.frame().end());
-    }
-    outcome = decoder.next();
-  }
-}
-
+// The frames among them.
 inline std::vector<Bytes> feed(StreamDecoder& decoder, const Bytes& bytes) {
   std::vector<Bytes> frames;
-  for (const std::uint8_t byte : bytes) drain(decoder, decoder.push(byte), frames);
+  decoder.push(bytes, [&](StreamDecoder::Outcome outcome) {
+    if (outcome == StreamDecoder::Outcome::frame)
+      frames.emplace_back(decoder.frame().begin(), decoder.frame().end());
+  });
   return frames;
 }
 

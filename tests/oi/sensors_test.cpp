@@ -2,6 +2,8 @@
 
 #include <array>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -82,6 +84,23 @@ TEST(DecodePacket, ReadsGroupsInTheOrderOfTheirMembers) {
       ASSERT_TRUE(std::equal(data.begin(), data.end(), back.begin()));
     }
   }
+}
+
+TEST(SensorValues, VisitsWhatWasSetInRisingOrder) {
+  SensorValues values;
+  values.set(PacketId{kLastExtensionPacket}, 7);
+  values.set(PacketId::angle, -3);
+  values.set(PacketId::bumps_and_wheel_drops, 0);
+  std::vector<std::pair<int, std::int32_t>> seen;
+  const auto see = [&](PacketId packet, std::int32_t value) {
+    seen.emplace_back(static_cast<int>(packet), value);
+  };
+  values.visit(see);
+  const decltype(seen) set{{7, 0}, {20, -3}, {kLastExtensionPacket, 7}};
+  EXPECT_EQ(seen, set);
+  values.clear();
+  values.visit(see);
+  EXPECT_EQ(seen, set) << "nothing behind clear()";
 }
 
 TEST(SensorValues, NamesItsFields) {
