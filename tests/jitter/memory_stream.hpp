@@ -1,34 +1,45 @@
-// A robot that takes no time: its frames are in memory, one for each wait.
+// A robot that takes no time: it is in memory, moves as it is told without a lag, and has a frame
+// ready for each wait.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
 
 #include "hal/byte_stream.hpp"
 #include "hal/jitter/sample_frames.hpp"
+#include "oi/checksum.hpp"
+#include "oi/command_table.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::test {
 
-// A frame each 15 ms, of the list that was asked for last; ends by hanging up.
+// A frame each 15 ms, of the list that was asked for last; ends by hanging up. Understands a Drive
+// Direct in front, straight ahead, and a list behind it.
 class MemoryStream final : public hal::ByteStream {
  public:
-  explicit MemoryStream(long frames) : frames_left_{frames} {}
+  enum class Remainder : std::uint8_t { carried, lost };  // of the distance, as in rt/axis_filter
+
+  explicit MemoryStream(long frames, Remainder remainder = Remainder::carried)
+      : frames_left_{frames}, remainder_{remainder} {}
 
   Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
     now_ += oi::kTick;
+    unread_um_ += speed_mm_s_ * kTickMs;
     return --frames_left_ < 0 ? Wait::hung_up : Wait::ready;
   }
   Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    const hal::jitter::FrameBytes& frame = frames_[list_];
+    hal::jitter::FrameBytes& frame = frames_[list_];
+    if (list_ == kReading) count_distance(frame);
     std::memcpy(bytes.data(), frame.data(), frame.size());
     return {.count = frame.size()};
   }
-  // A list stands behind the Drive Direct; its second packet tells which it is.
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
-    if (bytes.size() > 8) list_ = bytes[8] == 2 ? 0 : bytes[8] == 1 ? 1 : 2;
+    speed_mm_s_ = static_cast<std::int16_t>(bytes[1] << 8U | bytes[2]);
+    // A list stands behind the Drive Direct; its second packet tells which it is.
+    if (bytes.size() > kSecondPacket) list_ = list_with(bytes[kSecondPacket]);
     return {.count = bytes.size()};
   }
   rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return now_; }
@@ -39,9 +50,34 @@ class MemoryStream final : public hal::ByteStream {
   bool drain(rt::Duration /*timeout*/) override { return true; }
 
  private:
+  static constexpr int kTickMs = 15;
+  static constexpr int kUmPerMm = 1000;
+  static constexpr std::size_t kSecondPacket = oi::kDriveDirectBytes + 3;
+  static constexpr std::size_t kReading = 0;
+
+  static std::size_t list_with(std::uint8_t second_packet) noexcept CARGOBAY_NONBLOCKING {
+    if (second_packet == static_cast<std::uint8_t>(oi::PacketId::group_2)) return kReading;
+    return second_packet == static_cast<std::uint8_t>(oi::PacketId::group_1) ? 1 : 2;
+  }
+
+  // Header, length, mode, group 2: infrared byte, buttons, and the distance behind them.
+  void count_distance(hal::jitter::FrameBytes& frame) noexcept CARGOBAY_NONBLOCKING {
+    constexpr std::size_t kDistance = 7;
+    const int mm = unread_um_ / kUmPerMm;
+    unread_um_ = remainder_ == Remainder::carried ? unread_um_ % kUmPerMm : 0;
+    const int before = frame[kDistance] + frame[kDistance + 1];
+    frame[kDistance] = static_cast<std::uint8_t>(static_cast<unsigned>(mm) >> 8U);
+    frame[kDistance + 1] = static_cast<std::uint8_t>(mm);
+    const int change = frame[kDistance] + frame[kDistance + 1] - before;
+    frame.back() = static_cast<std::uint8_t>(frame.back() - change);
+  }
+
   long frames_left_;
+  Remainder remainder_;
   rt::TimePoint now_{};
-  std::size_t list_ = 0;
+  std::size_t list_ = kReading;
+  int speed_mm_s_ = 0;
+  int unread_um_ = 0;
   std::array<hal::jitter::FrameBytes, 3> frames_{
       hal::jitter::sample_frame(hal::FrameList::reading),
       hal::jitter::sample_frame(hal::FrameList::hazards),

@@ -11,26 +11,18 @@ Exit 77, and says why, where something that it needs is missing.
 import json
 import re
 import shutil
-import subprocess
 import sys
 import time
 from pathlib import Path
 
+import cross_build
 from debian import Suite
 from emulated_pi import EmulatedPi, VirtualCreate, make_initramfs, unpack_kernel
 
-SOURCE = Path(__file__).resolve().parents[2]
 KERNEL_SUITE = "bookworm"
-COMPILER_PACKAGES = {"bookworm": "libstdc++-12-dev", "trixie": "libstdc++-14-dev"}
-PACKAGES = [
-    "busybox-static", "libc6-dev", "libgpiod-dev", "libserialport-dev", "libfmt-dev",
-    "libtomlplusplus-dev", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev",
-    "libgtest-dev", "libgmock-dev",
-]  # fmt: skip
 # Of the project's tests those that meet the kernel and the libraries of the Pi.
 TESTS = ["test_gpio", "test_serial"]
-NOT_NEEDED = {"libnsl-dev", "pkg-config", "libc-dev-bin", "rpcsvc-proto"}
-TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "dpkg-deb", "readelf", "clang++-22", "cmake", "ninja"]
+TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "readelf", *cross_build.TOOLS]
 
 CHIP = "pinctrl-bcm2835"
 BRC, POWER = 17, 27
@@ -56,32 +48,6 @@ def check(holds: bool, what: str, else_tell: str = "") -> None:
     if not holds and else_tell:
         print(else_tell, flush=True)
     failures += not holds
-
-
-def run_quietly(command: list) -> None:
-    """What it prints is of interest only where it fails."""
-    result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    if result.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout}")
-
-
-def build(suite: Suite, name: str, folder: Path) -> tuple[Path, list[Path]]:
-    """The user space of that Debian, and the command and the tests built for it."""
-    root, target = folder / "root", folder / "build"
-    if not root.exists():
-        part = folder / "root.part"
-        shutil.rmtree(part, ignore_errors=True)
-        suite.unpack(suite.closure([*PACKAGES, COMPILER_PACKAGES[name]], NOT_NEEDED), part)
-        if not (part / "lib").exists():
-            (part / "lib").symlink_to("usr/lib")
-        part.rename(root)
-    run_quietly(
-        ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
-         f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
-         "-DCMAKE_BUILD_TYPE=Release", "-DCARGOBAY_WERROR=ON"]
-    )  # fmt: skip
-    run_quietly(["cmake", "--build", target, "--target", "cargobay", "cargobay_guard", *TESTS])
-    return root, [target / "cargobay", target / "cargobay-guard", *(target / "tests" / test for test in TESTS)]
 
 
 def lows(pi: EmulatedPi, since: float) -> list[float]:
@@ -227,7 +193,7 @@ def says_what_is_wrong(pi: EmulatedPi, _robot: VirtualCreate) -> None:
 
 
 def main() -> int:
-    if len(sys.argv) != 4 or sys.argv[1] not in COMPILER_PACKAGES:
+    if len(sys.argv) != 4 or sys.argv[1] not in cross_build.COMPILER_PACKAGES:
         print(__doc__, file=sys.stderr)
         return 2
     missing = [tool for tool in TOOLS if shutil.which(tool) is None]
@@ -239,7 +205,8 @@ def main() -> int:
     here.mkdir(parents=True, exist_ok=True)
     suite = Suite(name, cache)
     kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
-    root, programs = build(suite, name, here)
+    root, built = cross_build.cross_build(suite, name, here, ["cargobay", "cargobay_guard", *TESTS])
+    programs = [built / "cargobay", built / "cargobay-guard", *(built / "tests" / test for test in TESTS)]
     initramfs = make_initramfs(here / "initramfs", root, programs)
     robot = VirtualCreate(command, here)
     try:

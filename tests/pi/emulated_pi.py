@@ -77,7 +77,7 @@ def unpack_kernel(suite: Suite, folder: Path) -> tuple[Path, Path]:
     return kernel, tree
 
 
-def make_initramfs(folder: Path, root: Path, programs: list[Path]) -> Path:
+def make_initramfs(folder: Path, root: Path, programs: list[Path], init: str = INIT) -> Path:
     """The user space of `root`, as small as it can be, with the programs in it."""
     shutil.rmtree(folder, ignore_errors=True)
     for name in ("bin", "lib/aarch64-linux-gnu", "proc", "sys", "dev", "tmp", "etc"):
@@ -90,7 +90,7 @@ def make_initramfs(folder: Path, root: Path, programs: list[Path]) -> Path:
         shutil.copy(library, folder / "lib/aarch64-linux-gnu")
     (folder / "etc/passwd").write_text("root:x:0:0::/:/bin/sh\nnobody:x:65534:65534::/:/bin/sh\n")
     (folder / "etc/group").write_text("root:x:0:\nnogroup:x:65534:\n")
-    (folder / "init").write_text(INIT)
+    (folder / "init").write_text(init)
     (folder / "init").chmod(0o755)
     names = subprocess.run(["find", ".", "-print0"], cwd=folder, capture_output=True, check=True).stdout
     archive = subprocess.run(

@@ -1,0 +1,44 @@
+"""The project's programs for a Debian of another architecture, built against its own packages."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from debian import Suite
+
+SOURCE = Path(__file__).resolve().parents[2]
+COMPILER_PACKAGES = {"bookworm": "libstdc++-12-dev", "trixie": "libstdc++-14-dev"}
+PACKAGES = [
+    "busybox-static", "libc6-dev", "libgpiod-dev", "libserialport-dev", "libfmt-dev",
+    "libtomlplusplus-dev", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev",
+    "libgtest-dev", "libgmock-dev",
+]  # fmt: skip
+NOT_NEEDED = {"libnsl-dev", "pkg-config", "libc-dev-bin", "rpcsvc-proto"}
+TOOLS = ["clang++-22", "cmake", "ninja", "dpkg-deb"]
+
+
+def run_quietly(command: list) -> None:
+    """What it prints is of interest only where it fails."""
+    result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout}")
+
+
+def cross_build(suite: Suite, name: str, folder: Path, targets: list[str]) -> tuple[Path, Path]:
+    """The user space of that Debian, and the folder with what was built for it."""
+    root, target = folder / "root", folder / "build"
+    if not root.exists():
+        part = folder / "root.part"
+        shutil.rmtree(part, ignore_errors=True)
+        suite.unpack(suite.closure([*PACKAGES, COMPILER_PACKAGES[name]], NOT_NEEDED), part)
+        if not (part / "lib").exists():
+            (part / "lib").symlink_to("usr/lib")
+        part.rename(root)
+    run_quietly(
+        ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
+         f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
+         "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON", "-DCARGOBAY_WERROR=ON"]
+    )  # fmt: skip
+    run_quietly(["cmake", "--build", target, "--target", *targets])
+    return root, target
