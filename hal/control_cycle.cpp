@@ -39,6 +39,14 @@ std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
   return std::min(static_cast<std::size_t>(bytes), kMostSpare);
 }
 
+// So much that it matters in which tick the robot gets the second.
+bool changes(const rt::WheelSpeeds& before,
+             const rt::WheelSpeeds& after) noexcept CARGOBAY_NONBLOCKING {
+  constexpr double kLeast = 10.0;  // mm/s: in one tick 0.15 of the counter's millimetres
+  return std::abs(after.left_mm_s - before.left_mm_s) > kLeast ||
+         std::abs(after.right_mm_s - before.right_mm_s) > kLeast;
+}
+
 // Also false where one is no number.
 bool in_range(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
   constexpr double kMost = oi::kMaxWheelSpeed;
@@ -178,6 +186,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   // Behind a long command the next would come when it is no more true.
   const bool line_busy = line_free_ - decided > way_around(tick_);
   const bool withhold = line_busy || tick_has_command(reaches);
+  const rt::WheelSpeeds former = acting_;
   const Sent sent = withhold ? Sent::withheld : send(state.command, list, decided);
   const rt::TimePoint written = stream_.now();
   if (written - decided > kOwnWork) ++overruns_.write;
@@ -188,6 +197,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
     loop_.not_sent(acting_);
     state.command = acting_;
   }
+  if (late_ && changes(former, acting_)) loop_.sent_late();
   return Step::on;
 }
 

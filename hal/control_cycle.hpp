@@ -330,6 +330,7 @@ class ControlCycle {
   std::uint32_t setpoint_serial_ = 0;
   bool setpoint_alive_ = false;
   bool control_was_sane_ = true;
+  bool late_ = false;          // the frame that is answered
   int overruns_in_a_row_ = 0;  // of the control function
   ModeWatch mode_watch_;
   PowerWatch power_;

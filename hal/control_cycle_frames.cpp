@@ -107,8 +107,8 @@ void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING 
     damaged_ += seen_damaged;
     account_for_ticks(arrival, static_cast<int>(readings_.size()));
     // Of several together all but the last are a tick late at least.
-    const bool late = arrival - ticks_.due_by(arrival) > parameters_.late_margin;
-    if (late || readings_.size() > 1) ++overruns_.wait;
+    late_ = readings_.size() > 1 || arrival - ticks_.due_by(arrival) > parameters_.late_margin;
+    if (late_) ++overruns_.wait;
     period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
   for (const auto& reading : readings_) {

@@ -48,16 +48,17 @@ Moments truncate(double mean, double variance, double low,
 
 }  // namespace
 
-AxisFilter::AxisFilter(const Parameters& parameters) : parameters_{parameters} {
-  const double lag = parameters.lag_s;
-  const double tick = parameters.tick_s;
-  const double decay = std::exp(-tick / lag);
-  const double travel = lag * (1.0 - decay);  // mm for 1 mm/s of initial speed
-  transition_ = {.position_by_speed = travel,
-                 .position_by_input = tick - travel,
-                 .speed_by_speed = decay,
-                 .speed_by_input = 1.0 - decay};
-  coasting_ = transition_;
+AxisFilter::Transition AxisFilter::driven(const Parameters& parameters) {
+  const double decay = std::exp(-parameters.tick_s / parameters.lag_s);
+  const double travel = parameters.lag_s * (1.0 - decay);  // mm for 1 mm/s of initial speed
+  return {.position_by_speed = travel,
+          .position_by_input = parameters.tick_s - travel,
+          .speed_by_speed = decay,
+          .speed_by_input = 1.0 - decay};
+}
+
+AxisFilter::AxisFilter(const Parameters& parameters)
+    : parameters_{parameters}, driven_{driven(parameters)}, coasting_{driven_} {
   coasting_.position_by_input = 0.0;
   coasting_.speed_by_input = 0.0;
   reset();
@@ -75,9 +76,9 @@ void AxisFilter::reset() noexcept CARGOBAY_NONBLOCKING {
 void AxisFilter::predict(double command_mm_s, double disturbance_sd_mm_s,
                          double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
   const double noise = parameters_.disturbance_noise_mm_s;
-  propagate(transition_, noise * noise + disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
-  state_[kPosition] += transition_.position_by_input * command_mm_s;
-  state_[kSpeed] += transition_.speed_by_input * command_mm_s;
+  propagate(driven_, noise * noise + disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
+  state_[kPosition] += driven_.position_by_input * command_mm_s;
+  state_[kSpeed] += driven_.speed_by_input * command_mm_s;
 }
 
 void AxisFilter::coast(double disturbance_sd_mm_s,
@@ -85,7 +86,7 @@ void AxisFilter::coast(double disturbance_sd_mm_s,
   propagate(coasting_, disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
 }
 
-// F x and F P F' written out: most of F is 0 or 1, and P symmetric. An eighth of the instructions
+// F x and F P F' written out: most of F is 0 or 1, and P symmetric. A third of the instructions
 // of the products of matrices.
 void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
                            double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {

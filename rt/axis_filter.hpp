@@ -81,17 +81,18 @@ class AxisFilter {
   //   0  speed_by_speed     speed_by_input
   //   0  0                  1
   struct Transition {
-    double position_by_speed;
-    double position_by_input;
-    double speed_by_speed;
-    double speed_by_input;
+    double position_by_speed = 0.0;
+    double position_by_input = 0.0;
+    double speed_by_speed = 0.0;
+    double speed_by_input = 0.0;
   };
+  static Transition driven(const Parameters& parameters);
   void propagate(const Transition& tick, double disturbance_variance,
                  double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
   void forget_position(double variance) noexcept CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
-  Transition transition_;
+  Transition driven_;
   Transition coasting_;  // the same without the disturbance's part
   Eigen::Vector3d state_;
   Eigen::Matrix3d covariance_;

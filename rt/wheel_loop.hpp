@@ -38,6 +38,8 @@ class WheelLoop {
   WheelSpeeds control(const WheelSpeeds& target) noexcept CARGOBAY_NONBLOCKING;
   // The command could not be sent: the former one still acts.
   void not_sent(const WheelSpeeds& former) noexcept CARGOBAY_NONBLOCKING { command_ = former; }
+  // It may act a tick later than one that is sent in time.
+  void sent_late() noexcept CARGOBAY_NONBLOCKING { estimator_.doubt_command(); }
 
   // The wheels were told to stop, past the acceleration limit: they start anew from standing.
   void stop() noexcept CARGOBAY_NONBLOCKING;

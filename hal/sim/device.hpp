@@ -122,6 +122,8 @@ class Device {
   // Why Safe became Passive last.
   std::optional<Hazard> last_hazard() const { return last_hazard_; }
   const DeviceCounters& counters() const { return counters_; }
+  // So many bytes, at least, complete the command that it is in the middle of; 0 between commands.
+  std::size_t bytes_awaited() const { return parser_.needed(); }
   const Parameters& parameters() const { return parameters_; }
 
   // What the sensors would see from the next tick on.

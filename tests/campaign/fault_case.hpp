@@ -28,6 +28,7 @@ struct FaultCase {
   rt::Duration lingers{0};   // behind the end: what the line held up it still hands over
   bool damages_frames = false;
   bool damages_commands = false;  // the robot may take one for another, or for nothing at all
+  bool may_silence = false;       // or for one by which it sends less, or other frames
   Course course = Course::goes_on;
   double most_error_mm_s = 100.0;  // of an estimate, at any tick
 };
@@ -53,6 +54,7 @@ constexpr FaultCase to_robot(std::string_view name, bool to_host_too) {
   FaultCase fault = to_host(name);
   fault.damages_frames = to_host_too;
   fault.damages_commands = true;
+  fault.may_silence = true;
   fault.course = Course::either;
   fault.most_error_mm_s = kAnyError;
   return fault;

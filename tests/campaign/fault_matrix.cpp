@@ -34,7 +34,9 @@ struct Row {
   std::uint64_t due = 0;
   std::uint64_t unsent = 0;
   hal::FrameCounters frames{};
-  int back_after = 0;  // the most of all
+  int back_after = 0;   // the most of all
+  int waited = 0;       // the same
+  int obeys_after = 0;  // the same
   std::array<double, kProfiles.size()> worst_error_mm_s{};
   std::uint64_t impostors = 0;
   std::uint64_t misled = 0;  // drives in which one of those made something not hold
@@ -98,6 +100,8 @@ void add(Row& row, std::size_t profile, const Observations& seen, const Verdict&
   if (!verdict.violations.empty()) ++(verdict.impostors > 0 ? row.misled : row.failed);
   if (verdict.impostors > 0) return;
   row.back_after = std::max(row.back_after, verdict.back_after);
+  row.waited = std::max(row.waited, verdict.waited);
+  row.obeys_after = std::max(row.obeys_after, verdict.obeys_after);
   row.worst_error_mm_s[profile] = std::max(row.worst_error_mm_s[profile], verdict.worst_error_mm_s);
 }
 
@@ -121,8 +125,8 @@ Row run_row(std::size_t number, const Options& options) {
 void print_head() {
   std::printf(
       "| fault | drives | ended | deaf | ticks | no frame sent | good | bad | lost | back after | "
-      "straight | steps | square | spin | impostors | failed |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "waited | obeys after | straight | steps | square | spin | impostors | failed |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
 // A count, and in parentheses how many of them are special; nothing where there are none.
@@ -139,7 +143,8 @@ void print(const FaultCase& fault, const Row& row) {
               counted(row.deaf, 0).c_str(), number(row.due), counted(row.unsent, 0).c_str(),
               number(row.frames.good), counted(row.frames.bad, 0).c_str(),
               counted(row.frames.lost, 0).c_str());
-  std::printf(" %s |", counted(static_cast<std::uint64_t>(row.back_after), 0).c_str());
+  for (const int after : {row.back_after, row.waited, row.obeys_after})
+    std::printf(" %s |", counted(static_cast<std::uint64_t>(after), 0).c_str());
   for (const double error_mm_s : row.worst_error_mm_s) std::printf(" %.0f |", error_mm_s);
   std::printf(" %s | %s |\n", counted(row.impostors, row.misled).c_str(),
               counted(row.failed, 0).c_str());

@@ -173,6 +173,7 @@ class FaultedDrive {
         {.tick = device_.ticks(),
          .frame = frame,
          .clean = frame && !robot_faulty_ && stream_.now() >= clean_from_,
+         .waits = device_.bytes_awaited() > 0,
          .mode = device_.mode(),
          .battery_mv = static_cast<std::int32_t>(std::lrint(device_.battery().voltage_mv())),
          .truth = truth_});

@@ -18,6 +18,7 @@ struct TickSeen {
   std::uint64_t tick = 0;
   bool frame = false;  // it sent one
   bool clean = false;  // and no fault was left that could touch it
+  bool waits = false;  // it was in the middle of a command
   oi::Mode mode = oi::Mode::off;
   std::int32_t battery_mv = 0;
   rt::WheelSpeeds truth{};

@@ -45,7 +45,8 @@ class Judge {
     judge_commands(seen_.written, "sent");
     if (fault_.course != Course::either) judge_commands(seen_.obeyed, "obeyed");
     if (seen_.end == hal::CycleEnd::asked) judge_obedience();
-    if (seen_.end == hal::CycleEnd::asked && !fault_.damages_commands) judge_recovery();
+    if (seen_.end == hal::CycleEnd::asked && !fault_.may_silence) judge_recovery();
+    if (seen_.end == hal::CycleEnd::asked && !verdict_.deaf) count_disobedience();
     judge_restart();
     if (!seen_.passive_at_last) violation("was not left in Passive");
     if (seen_.commanded_at_last != rt::WheelSpeeds{}) violation("was left rolling");
@@ -157,12 +158,27 @@ class Judge {
     if (!verdict_.deaf) violation("did not obey at the end");
   }
 
+  // The answers to the last frames may still be on their way.
+  void count_disobedience() {
+    int behind = 0;
+    verdict_.obeys_after = 1;
+    for (const TickSeen& tick : seen_.ticks) {
+      if (tick.waits) ++verdict_.waited;
+      if ((behind == 0 && !tick.clean) || tick.waits || tick.tick + kLatest >= seen_.last_tick)
+        continue;
+      ++behind;
+      if (!std::ranges::binary_search(seen_.obeyed, tick.tick)) verdict_.obeys_after = behind + 1;
+    }
+    if (verdict_.obeys_after > kMostBackAfter && !fault_.may_silence)
+      violation("obeyed after " + std::to_string(verdict_.obeys_after) + " ticks");
+  }
+
   // Back: from that frame on each is answered in its tick, and counted one by one.
   void judge_recovery() {
     int clean = 0;
     verdict_.back_after = 1;
     for (const TickSeen& tick : seen_.ticks) {
-      if (!tick.clean || tick.tick >= seen_.last_tick) continue;
+      if (!tick.clean || tick.waits || tick.tick >= seen_.last_tick) continue;
       ++clean;
       if (!answered(tick.tick)) verdict_.back_after = clean + 1;
     }

@@ -15,6 +15,10 @@ struct Verdict {
   std::uint64_t unsent = 0;  // of these: without a frame
   bool deaf = false;   // at the end the robot still took commands for the data of a damaged one
   int back_after = 0;  // clean frames until the cycle is back, 0 where it did not drive on
+  int waited = 0;      // ticks in which the robot took commands for the rest of another
+  // Ticks behind the fault, and behind such a wait, until the robot obeys a command in each; 0
+  // where it did not drive on.
+  int obeys_after = 0;
   double worst_error_mm_s = 0.0;  // of an estimate
   // Runs of bytes that the robot never sent as such, and that the checksum passes.
   std::uint64_t impostors = 0;

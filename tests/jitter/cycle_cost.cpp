@@ -143,11 +143,13 @@ void serve(int master, MemoryStream& robot) {
 template <typename Part>
 void on_pty(Part part, MemoryStream& robot, std::size_t frames) {
   const int master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  std::array<char, 64> path{};
   if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) std::abort();
-  hal::Result<std::unique_ptr<hal::ByteStream>> port = hal::open_pty(ptsname(master), robot.baud());
+  if (ptsname_r(master, path.data(), path.size()) != 0) std::abort();
+  hal::Result<std::unique_ptr<hal::ByteStream>> port = hal::open_pty(path.data(), robot.baud());
   if (!port) {
     std::fprintf(stderr, "%s\n", port.failure().message.c_str());
-    std::exit(1);
+    std::abort();
   }
   (void)(*port)->set_wake_threshold(hal::kFrameBytes);
   PtyOnRobotTime stream{**port, robot};
