@@ -24,6 +24,8 @@ constexpr std::uint64_t kLatestBehindLongFrames = 20;
 constexpr rt::Duration kLongestSilence = 1s + 15ms + 5ms + 2ms;
 constexpr double kDriven = 40.0;  // mm/s: so near is the truth to what was asked, once settled
 constexpr int kMostBackAfter = 2;
+// Until it shows that the robot does not hear, a list has to change; then come 510 zeros.
+constexpr int kMostWaited = 64;
 
 std::uint64_t sum(const hal::FrameCounters& frames) {
   return frames.good + frames.bad + frames.lost;
@@ -46,6 +48,7 @@ class Judge {
     if (fault_.course != Course::either) judge_commands(seen_.obeyed, "obeyed");
     if (seen_.end == hal::CycleEnd::asked) judge_obedience();
     if (seen_.end == hal::CycleEnd::asked && !fault_.may_silence) judge_recovery();
+    if (seen_.end == hal::CycleEnd::asked) judge_waiting();
     if (seen_.end == hal::CycleEnd::asked && !verdict_.deaf) count_disobedience();
     judge_restart();
     if (!seen_.passive_at_last) violation("was not left in Passive");
@@ -154,8 +157,18 @@ class Judge {
     const bool obeys = seen_.states.size() >= 2 &&
                        seen_.commanded == seen_.states[seen_.states.size() - 2].command;
     if (obeys) return;
-    verdict_.deaf = fault_.damages_commands;
+    verdict_.deaf = fault_.may_silence;
     if (!verdict_.deaf) violation("did not obey at the end");
+  }
+
+  // Elsewhere it is a command of the loop's own that the robot is in the middle of.
+  bool waits(const TickSeen& tick) const { return tick.waits && fault_.course == Course::either; }
+
+  void judge_waiting() {
+    verdict_.waited = static_cast<int>(
+        std::ranges::count_if(seen_.ticks, [this](const TickSeen& tick) { return waits(tick); }));
+    if (verdict_.waited > kMostWaited && !fault_.may_silence)
+      violation("waited for " + std::to_string(verdict_.waited) + " ticks");
   }
 
   // The answers to the last frames may still be on their way.
@@ -163,8 +176,7 @@ class Judge {
     int behind = 0;
     verdict_.obeys_after = 1;
     for (const TickSeen& tick : seen_.ticks) {
-      if (tick.waits) ++verdict_.waited;
-      if ((behind == 0 && !tick.clean) || tick.waits || tick.tick + kLatest >= seen_.last_tick)
+      if ((behind == 0 && !tick.clean) || waits(tick) || tick.tick + kLatest >= seen_.last_tick)
         continue;
       ++behind;
       if (!std::ranges::binary_search(seen_.obeyed, tick.tick)) verdict_.obeys_after = behind + 1;
@@ -178,7 +190,8 @@ class Judge {
     int clean = 0;
     verdict_.back_after = 1;
     for (const TickSeen& tick : seen_.ticks) {
-      if (!tick.clean || tick.waits || tick.tick >= seen_.last_tick) continue;
+      const bool excused = tick.waits && fault_.damages_commands;
+      if (!tick.clean || excused || tick.tick >= seen_.last_tick) continue;
       ++clean;
       if (!answered(tick.tick)) verdict_.back_after = clean + 1;
     }

@@ -140,8 +140,7 @@ void serve(int master, MemoryStream& robot) {
   close(master);
 }
 
-template <typename Part>
-void on_pty(Part part, MemoryStream& robot, std::size_t frames) {
+void on_pty(void (*part)(hal::ByteStream&, std::size_t), MemoryStream& robot, std::size_t frames) {
   const int master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   std::array<char, 64> path{};
   if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) std::abort();
@@ -191,18 +190,19 @@ void loop(const Readings& readings) {
   if (std::isnan(sum)) std::abort();
 }
 
+int usage() {
+  std::fputs("usage: cycle_cost carried|lost cycle|echo|pty_cycle|pty_echo|decode|loop FRAMES\n",
+             stderr);
+  return 2;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string_view kind = argc == 4 ? argv[1] : "";
   const long frames = argc == 4 ? std::strtol(argv[3], nullptr, 10) : 0;
-  if ((kind != "carried" && kind != "lost") || frames <= 0) {
-    std::fputs("usage: cycle_cost carried|lost cycle|echo|pty_cycle|pty_echo|decode|loop FRAMES\n",
-               stderr);
-    return 2;
-  }
-  const auto remainder =
-      kind == "carried" ? MemoryStream::Remainder::carried : MemoryStream::Remainder::lost;
+  if ((kind != "carried" && kind != "lost") || frames <= 0) return usage();
+  const auto remainder = kind == "carried" ? rt::Remainder::carried : rt::Remainder::lost;
   MemoryStream first{frames, remainder};
   const Readings readings = readings_of_a_drive(first, static_cast<std::size_t>(frames));
   MemoryStream stream{frames, remainder};
@@ -218,8 +218,10 @@ int main(int argc, char** argv) {
     on_pty(&echo, stream, count);
   } else if (part == "decode") {
     decode(readings);
-  } else {
+  } else if (part == "loop") {
     loop(readings);
+  } else {
+    return usage();
   }
   return 0;
 }

@@ -10,9 +10,9 @@
 
 #include "hal/byte_stream.hpp"
 #include "hal/jitter/sample_frames.hpp"
-#include "oi/checksum.hpp"
 #include "oi/command_table.hpp"
 #include "oi/limits.hpp"
+#include "rt/axis_filter.hpp"
 
 namespace cargobay::test {
 
@@ -20,9 +20,7 @@ namespace cargobay::test {
 // Direct in front, straight ahead, and a list behind it.
 class MemoryStream final : public hal::ByteStream {
  public:
-  enum class Remainder : std::uint8_t { carried, lost };  // of the distance, as in rt/axis_filter
-
-  explicit MemoryStream(long frames, Remainder remainder = Remainder::carried)
+  explicit MemoryStream(long frames, rt::Remainder remainder = rt::Remainder::carried)
       : frames_left_{frames}, remainder_{remainder} {}
 
   Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
@@ -64,7 +62,7 @@ class MemoryStream final : public hal::ByteStream {
   void count_distance(hal::jitter::FrameBytes& frame) noexcept CARGOBAY_NONBLOCKING {
     constexpr std::size_t kDistance = 7;
     const int mm = unread_um_ / kUmPerMm;
-    unread_um_ = remainder_ == Remainder::carried ? unread_um_ % kUmPerMm : 0;
+    unread_um_ = remainder_ == rt::Remainder::carried ? unread_um_ % kUmPerMm : 0;
     const int before = frame[kDistance] + frame[kDistance + 1];
     frame[kDistance] = static_cast<std::uint8_t>(static_cast<unsigned>(mm) >> 8U);
     frame[kDistance + 1] = static_cast<std::uint8_t>(mm);
@@ -73,7 +71,7 @@ class MemoryStream final : public hal::ByteStream {
   }
 
   long frames_left_;
-  Remainder remainder_;
+  rt::Remainder remainder_;
   rt::TimePoint now_{};
   std::size_t list_ = kReading;
   int speed_mm_s_ = 0;

@@ -10,14 +10,13 @@ Exit 77, and says why, where something that it needs is missing.
 
 import json
 import re
-import shutil
 import sys
 import time
 from pathlib import Path
 
 import cross_build
 from debian import Suite
-from emulated_pi import EmulatedPi, VirtualCreate, make_initramfs, unpack_kernel
+from emulated_pi import EmulatedPi, VirtualCreate, lacks, make_initramfs, unpack_kernel
 
 KERNEL_SUITE = "bookworm"
 # Of the project's tests those that meet the kernel and the libraries of the Pi.
@@ -196,9 +195,7 @@ def main() -> int:
     if len(sys.argv) != 4 or sys.argv[1] not in cross_build.COMPILER_PACKAGES:
         print(__doc__, file=sys.stderr)
         return 2
-    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
-    if missing:
-        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
+    if lacks(TOOLS):
         return 77
     name, command, folder = sys.argv[1], Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
     cache, here = folder / "packages", folder / name

@@ -10,14 +10,13 @@ Exit 77, and says why, where something that it needs is missing.
 """
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import cross_build
 from debian import Suite
-from emulated_pi import make_initramfs, unpack_kernel
+from emulated_pi import lacks, make_initramfs, unpack_kernel
 
 SUITE = "bookworm"
 TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "readelf", *cross_build.TOOLS]
@@ -58,9 +57,7 @@ def main() -> int:
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
         return 2
-    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
-    if missing:
-        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
+    if lacks(TOOLS):
         return 77
     folder = Path(sys.argv[1]).resolve()
     cache, here = folder / "packages", folder / SUITE

@@ -44,6 +44,14 @@ exec env PS1= PS2= setsid -c sh
 """
 
 
+def lacks(tools: list[str]) -> bool:
+    """Says which of them, and what to do about it."""
+    missing = [tool for tool in tools if shutil.which(tool) is None]
+    if missing:
+        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
+    return bool(missing)
+
+
 def libraries(programs: list[Path], root: Path) -> list[Path]:
     """The shared libraries that the programs need, and those these need."""
     wanted, found = list(programs), {}

@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 from debian import Suite
-from emulated_pi import EmulatedPi, VirtualCreate, libraries, make_initramfs, unpack_kernel
+from emulated_pi import EmulatedPi, VirtualCreate, lacks, libraries, make_initramfs, unpack_kernel
 
 SOURCE = Path(__file__).resolve().parents[2]
 KERNEL_SUITE = "bookworm"
@@ -150,9 +150,7 @@ def main() -> int:
     if len(sys.argv) != 4 or sys.argv[1] not in ("bookworm", "trixie"):
         print(__doc__, file=sys.stderr)
         return 2
-    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
-    if missing:
-        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
+    if lacks(TOOLS):
         return 77
     name, folder = sys.argv[1], Path(sys.argv[2]).resolve()
     packages = sorted(Path(sys.argv[3]).resolve().glob("*_arm64.deb"))
