@@ -60,7 +60,7 @@ tests() {
   local name=$preset-tests
   junit=$logs/$name.xml
   rm -f "$junit"
-  ctest --preset "$preset" -j "$jobs" --output-junit "$junit" "$@" \
+  ctest --preset "$preset" -j "$jobs" --output-junit "$junit" --test-output-size-passed 100000 "$@" \
     > "$logs/$name.log" 2>&1 < /dev/null || status=$?
   head=$(tr '\n' ' ' < "$junit" 2> /dev/null | grep -oE '<testsuite [^>]*>' | head -n 1) || head=''
   attribute() { sed -nE "s/.*[[:space:]]$1=\"([0-9]+)\".*/\1/p" <<< "$head"; }
@@ -72,6 +72,7 @@ tests() {
   passed=$((passed + total - bad - idle)) failed=$((failed + bad)) skipped=$((skipped + idle))
   report "$name" "$status" $((SECONDS - begin)) \
     "$((total - bad - idle)) passed, $bad failed, $idle skipped" 80
+  grep -ahoE '^again: .*' "$junit" | sed -E 's/^again: (.*gtest_filter=)?/    again: /; s/ --gtest[^ :]*//g' || true
   ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$name.log" | sort -u | sed 's/^/    /'
 }
 

@@ -221,7 +221,9 @@ TEST(PtyPort, DoesNotWaitForAClientThatDoesNotRead) {
   std::size_t written = 0;
   while (const std::size_t count = (*port)->write(chunk)) written += count;
   EXPECT_GT(written, 4000U);
-  EXPECT_EQ((*port)->write(chunk), 0U);
+  // The kernel may move what it holds to the reader's buffer later, and have room once more.
+  for (int time = 0; time < 1000; ++time) written += (*port)->write(chunk);
+  EXPECT_LT(written, 1000 * chunk.size());
 }
 
 TEST(Server, SurvivesTenThousandRandomBytes) {

@@ -1,0 +1,151 @@
+// Runs a test that lives in real time; where it fails, and the machine itself stood still for
+// longer than any such test can bear, runs it again when the machine is calm, a few times at most.
+//
+//   again_after_standstill [--bear MS] COMMAND [ARGUMENT...]
+//
+// A virtual machine may lose a processor for tens of milliseconds, whatever runs on it at whatever
+// priority; and a kernel whose processors are all busy may not hand on what was written to a
+// terminal for a second, since its kworkers have no priority. Then a robot is stopped by its
+// guard, or told twice in one tick, and nothing is wrong with what is tested. Threads above
+// everything else, one on each processor and one on a terminal of their own, show that it was so.
+// A failure without a standstill is one, at the first run. Returns what the command returned last,
+// 128 + N where signal N ended it.
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <pty.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <system_error>
+#include <thread>
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+// A third of a tick: the loop has the rest of it to answer a frame.
+constexpr microseconds kBearable = milliseconds{5};
+constexpr microseconds kBetweenLooks = milliseconds{2};
+constexpr microseconds kCalm = milliseconds{300};
+constexpr microseconds kLongestWait = std::chrono::seconds{10};
+constexpr int kRuns = 6;
+
+std::atomic<std::int64_t> longest_us{0};  // since it was last set to 0
+
+void stood_still_since(Clock::time_point due) {
+  const auto late = std::chrono::duration_cast<microseconds>(Clock::now() - due).count();
+  std::int64_t longest = longest_us.load();
+  while (late > longest && !longest_us.compare_exchange_weak(longest, late)) continue;
+}
+
+// Before all others, where that is allowed.
+void go_first() {
+  const sched_param highest{.sched_priority = sched_get_priority_max(SCHED_FIFO)};
+  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &highest);
+}
+
+// How much later than asked a processor lets its first thread go on.
+void watch_processor(unsigned processor) {
+  cpu_set_t mine;
+  CPU_ZERO(&mine);
+  CPU_SET(processor, &mine);
+  (void)pthread_setaffinity_np(pthread_self(), sizeof mine, &mine);  // a cpuset may forbid it
+  go_first();
+  for (;;) {
+    const Clock::time_point due = Clock::now() + kBetweenLooks;
+    std::this_thread::sleep_until(due);
+    stood_still_since(due);
+  }
+}
+
+// How long a terminal takes to hand on a byte.
+void watch_terminal(int master, int slave) {
+  go_first();
+  for (;;) {
+    const Clock::time_point written = Clock::now();
+    std::uint8_t byte = 0x55;
+    if (write(master, &byte, 1) != 1) return;
+    pollfd arrival{.fd = slave, .events = POLLIN, .revents = 0};
+    while (poll(&arrival, 1, 1) == 0) stood_still_since(written);
+    stood_still_since(written);
+    if (read(slave, &byte, 1) != 1) return;
+    std::this_thread::sleep_for(kBetweenLooks);
+  }
+}
+
+void start_watches() {
+  const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
+  for (unsigned processor = 0; processor < processors; ++processor)
+    std::thread{watch_processor, processor}.detach();
+  int master = -1;
+  int slave = -1;
+  termios raw{};
+  cfmakeraw(&raw);
+  if (openpty(&master, &slave, nullptr, &raw, nullptr) != 0) return;
+  for (const int descriptor : {master, slave}) (void)fcntl(descriptor, F_SETFD, FD_CLOEXEC);
+  std::thread{watch_terminal, master, slave}.detach();
+}
+
+int run(char** command) {
+  const pid_t process = fork();
+  if (process == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    execv(command[0], command);
+    std::fprintf(stderr, "%s: %s\n", command[0], std::generic_category().message(errno).c_str());
+    _exit(127);
+  }
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+void wait_for_calm() {
+  const Clock::time_point end = Clock::now() + kLongestWait;
+  do {
+    longest_us = 0;
+    std::this_thread::sleep_for(kCalm);
+  } while (longest_us.load() > kBearable.count() && Clock::now() < end);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  char** command = argv + 1;
+  microseconds bearable = kBearable;
+  if (argc > 2 && std::string_view{argv[1]} == "--bear") {
+    bearable = milliseconds{std::strtol(argv[2], nullptr, 10)};
+    command = argv + 3;
+  }
+  if (argc < 2 || *command == nullptr) {
+    std::fputs("usage: again_after_standstill [--bear MS] COMMAND [ARGUMENT...]\n", stderr);
+    return 2;
+  }
+  start_watches();
+  for (int time = 1;; ++time) {
+    longest_us = 0;
+    const int code = run(command);
+    const microseconds longest{longest_us.load()};
+    if (code == 0 || longest < bearable || time == kRuns) return code;
+    std::printf("again:");
+    for (char** word = command; *word != nullptr; ++word) std::printf(" %s", *word);
+    std::printf(": run %d returned %d, and the machine stood still for %.1f ms\n", time, code,
+                static_cast<double>(longest.count()) / 1000.0);
+    std::fflush(stdout);
+    wait_for_calm();
+  }
+}

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# again_after_standstill itself: what it repeats, how often, and what it leaves alone.
+# usage: self_test.sh PROGRAM
+set -euo pipefail
+
+program=$1
+runs=$(mktemp)
+trap 'rm -f "$runs"' EXIT
+
+# expect WHAT CODE RUNS BEAR COMMAND
+expect() {
+  local code=0
+  : > "$runs"
+  "$program" --bear "$4" /bin/sh -c "echo >> '$runs'; $5" || code=$?
+  if ((code != $2 || $(wc -l < "$runs") != $3)); then
+    echo "self_test.sh: $1: returned $code after $(wc -l < "$runs") runs, not $2 after $3" >&2
+    exit 1
+  fi
+}
+
+never=3600000
+expect 'what passes is run once' 0 1 0 true
+expect 'a failure on a steady machine is one' 3 1 "$never" 'exit 3'
+expect 'a failure behind a standstill is run again' 0 3 0 "test \$(wc -l < '$runs') -eq 3"
+expect 'six times at most' 3 6 0 'exit 3'
+expect 'a signal is a failure' 137 1 "$never" 'kill -KILL $$'
