@@ -13,6 +13,8 @@ function(cargobay_layer layer)
   add_library(cargobay::${layer} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${layer})
   target_compile_features(${target} PUBLIC cxx_std_20)
+  # Nobody asks errno about arithmetic: with it lrint() and sqrt() are calls, not instructions.
+  target_compile_options(${target} PRIVATE -fno-math-errno)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   cargobay_units(${target} ${arg_SOURCES})
   target_link_libraries(${target}

@@ -127,6 +127,8 @@ rt::TimePoint ControlCycle::wake_time() const noexcept CARGOBAY_NONBLOCKING {
 
 ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   take_requests();
+  std::optional<rt::Duration> period;
+  if (ticks_.started()) period = arrival - last_arrival_;
   account(arrival);
   CycleState state{.tick = ticks_.ticks(),
                    .arrival = arrival,
@@ -141,9 +143,11 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY
                    .distance_mm = odometry_.distance_mm(),
                    .pose_covariance = odometry_.covariance()};
   // Behind a silence the second frame tells how many ticks it was: until then there is no estimate.
-  if (mode_watch_.state() == ModeWatch::State::driving && ticks_.in_doubt()) return Step::on;
-  const Step step = answer_in_mode(state);
-  publish(state);
+  const bool doubtful = mode_watch_.state() == ModeWatch::State::driving && ticks_.in_doubt();
+  const Step step = doubtful ? Step::on : answer_in_mode(state);
+  // The command is out: from here on nothing is urgent.
+  if (period) period_ns_.record(static_cast<std::uint64_t>(period->count()));
+  if (!doubtful) publish(state);
   return step;
 }
 

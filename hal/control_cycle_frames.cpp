@@ -109,7 +109,6 @@ void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING 
     // Of several together all but the last are a tick late at least.
     late_ = readings_.size() > 1 || arrival - ticks_.due_by(arrival) > parameters_.late_margin;
     if (late_) ++overruns_.wait;
-    period_ns_.record(static_cast<std::uint64_t>((arrival - last_arrival_).count()));
   }
   for (const auto& reading : readings_) {
     loop_.frame(reading);

@@ -33,8 +33,10 @@ double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,
   // What the integral learnt in one direction is wrong in the other.
   if (set_mm_s == 0.0 || set_mm_s * former_mm_s < 0.0) controller.reset();
   if (set_mm_s == 0.0) return 0.0;
-  if (parameters.feedback == Feedback::open) return std::round(set_mm_s);
-  return std::round(controller.step(set_mm_s, slew.rate_mm_s2(), estimate_mm_s));
+  const double command_mm_s = parameters.feedback == Feedback::open
+                                  ? set_mm_s
+                                  : controller.step(set_mm_s, slew.rate_mm_s2(), estimate_mm_s);
+  return static_cast<double>(std::lrint(command_mm_s));
 }
 
 WheelSpeeds WheelLoop::control(const WheelSpeeds& target) noexcept CARGOBAY_NONBLOCKING {

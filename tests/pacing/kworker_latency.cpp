@@ -1,8 +1,9 @@
 // kworker_latency [SECONDS]: how long a byte takes from its writer to a reader at SCHED_FIFO 80,
-// while a program at SCHED_FIFO 10 takes 60 % of every CPU: through a pipe, through a
-// pseudo-terminal, and through one with the kworkers raised (hal/kworker_boost.hpp), and once more
-// without anybody in the way. The ways take turns in one run, so that they see the same machine;
-// SECONDS of each, 10 unless told. Prints a table; judges nothing. Needs root or CAP_SYS_NICE.
+// through a pipe, through a pseudo-terminal, and through one with the kworkers raised
+// (hal/kworker_boost.hpp): with nobody in the way, while a program at SCHED_FIFO 10 takes 60 % of
+// every CPU, and while ordinary programs, one more than there are CPUs, take all of them. The ways
+// take turns in one run, so that they see the same machine; SECONDS of each, 10 unless told. Prints
+// a table; judges nothing. Needs root or CAP_SYS_NICE.
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -87,12 +88,19 @@ struct Channel {
   }
 };
 
-// One thread a CPU that works six tenths of the time.
+// Who is in the way.
+enum class Busy : std::uint8_t { nobody, realtime, ordinary };
+
+// Real-time: one thread a CPU that works six tenths of the time. Ordinary: one thread more than
+// there are CPUs, working all the time.
 class Hogs {
  public:
-  Hogs() {
+  explicit Hogs(Busy kind) {
     const auto cpus = std::max(1U, std::thread::hardware_concurrency());
-    for (unsigned cpu = 0; cpu < cpus; ++cpu) threads_.emplace_back([this, cpu] { work(cpu); });
+    if (kind == Busy::realtime)
+      for (unsigned cpu = 0; cpu < cpus; ++cpu) threads_.emplace_back([this, cpu] { work(cpu); });
+    if (kind == Busy::ordinary)
+      for (unsigned i = 0; i <= cpus; ++i) threads_.emplace_back([this] { work_on(); });
   }
   ~Hogs() {
     ending_.store(true, std::memory_order_relaxed);
@@ -115,6 +123,10 @@ class Hogs {
       begin = std::max(begin + kHogPeriod, rt::Clock::now());
       sleep_until(begin);
     }
+  }
+
+  void work_on() const {
+    while (!ending_.load(std::memory_order_relaxed)) continue;
   }
 
   std::atomic<bool> ending_{false};
@@ -163,7 +175,7 @@ struct Way {
   const char* name = "";
   bool terminal = false;
   bool boosted = false;
-  bool hogs = false;
+  Busy busy = Busy::nobody;
   rt::Histogram latency_ns{};
 };
 
@@ -177,22 +189,21 @@ bool measure(Way& way, rt::Duration duration) {
       return false;
     }
   }
-  if (!way.hogs) {
-    measure(channel, duration, way.latency_ns);
-    return true;
-  }
-  const Hogs hogs;
+  const Hogs hogs{way.busy};
   measure(channel, duration, way.latency_ns);
   return true;
 }
 
 bool measure_all(double seconds) {
-  std::array<Way, 6> ways{{{"pipe, nobody in the way", false, false, false},
-                           {"terminal, nobody in the way", true, false, false},
-                           {"pipe", false, false, true},
-                           {"terminal", true, false, true},
-                           {"terminal, kworkers raised", true, true, true},
-                           {"terminal again", true, false, true}}};
+  std::array<Way, 9> ways{{{"pipe, nobody in the way", false, false, Busy::nobody},
+                           {"terminal, nobody in the way", true, false, Busy::nobody},
+                           {"pipe, real-time program", false, false, Busy::realtime},
+                           {"terminal, real-time program", true, false, Busy::realtime},
+                           {"the same, kworkers raised", true, true, Busy::realtime},
+                           {"terminal, real-time program again", true, false, Busy::realtime},
+                           {"pipe, ordinary programs", false, false, Busy::ordinary},
+                           {"terminal, ordinary programs", true, false, Busy::ordinary},
+                           {"the same, kworkers raised", true, true, Busy::ordinary}}};
   const auto turn =
       std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{seconds / kTurns});
   for (int i = 0; i < kTurns; ++i) {
@@ -203,7 +214,7 @@ bool measure_all(double seconds) {
   std::printf("| way of a byte | bytes | p50 us | p99 us | max us |\n|---|---|---|---|---|\n");
   for (const Way& way : ways) {
     const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000.0; };
-    std::printf("| %-27s | %6llu | %8.0f | %8.0f | %8.0f |\n", way.name,
+    std::printf("| %-33s | %6llu | %8.0f | %8.0f | %8.0f |\n", way.name,
                 static_cast<unsigned long long>(way.latency_ns.count()),
                 us(way.latency_ns.percentile(50)), us(way.latency_ns.percentile(99)),
                 us(way.latency_ns.max()));
