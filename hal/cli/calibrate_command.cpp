@@ -99,7 +99,7 @@ std::string table(const hal::CalibrationResult& result) {
       1e2 * result.droop_left, 1e2 * result.droop_right, name(result.remainder));
 }
 
-std::string json(const hal::CalibrationResult& result) {
+std::string result_json(const hal::CalibrationResult& result) {
   const nlohmann::ordered_json text{
       {"wheel_base_mm", result.wheel_base_mm},
       {"wheel_base_spread_mm", result.wheel_base_spread_mm},
@@ -151,7 +151,7 @@ std::optional<hal::Failure> report(const CalibrateOptions& options,
   const bool prints = options.json_file != "-";
   if (prints) fmt::print("{}", table(result));
   if (!options.json_file.empty()) {
-    if (auto failure = write_file(options.json_file, json(result))) return failure;
+    if (auto failure = write_file(options.json_file, result_json(result))) return failure;
   }
   if (options.write_file.empty()) return std::nullopt;
   if (auto failure = write_config(options.write_file, result)) return failure;

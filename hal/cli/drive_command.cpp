@@ -38,7 +38,7 @@
 namespace cargobay::cli {
 namespace {
 
-constexpr double kRefresh = 0.1;  // seconds between two status lines
+constexpr rt::Duration kStatusPeriod = std::chrono::milliseconds{100};
 
 // The control function: follows the profile, and asks the cycle to end when its time is over.
 struct Driver {
@@ -214,8 +214,7 @@ class Drive {
     const bool live = stdout_is_terminal();
     std::optional<int> signal;
     while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
-      signal = signals_.wait(
-          std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{kRefresh}));
+      signal = signals_.wait(kStatusPeriod);
       links_.collect();
       if (recording_) recording_->append(robot.flight_recorder());
       if (live) fmt::print(kClearLine);

@@ -18,7 +18,6 @@ namespace cargobay::hal {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using testing::HasSubstr;
 
 enum class Wired { serial, brc, brc_and_power };
@@ -138,7 +137,7 @@ TEST(BringUpStates, AllLeadToAStreamAtTheWantedRateAndMode) {
         EXPECT_EQ(bench.device.mode(), found.mode);
         EXPECT_TRUE(bench.device.stream().running());
         EXPECT_EQ(report->powered_on, found.off);
-        EXPECT_LT(report->took, seconds{12});
+        EXPECT_LT(report->took, std::chrono::seconds{12});
         EXPECT_TRUE(bench.device.brc_high());
         EXPECT_EQ(bench.device.commanded(), sim::WheelSpeeds{});
         EXPECT_EQ(bench.moves, 0) << "what is heard at a wrong rate moves nothing";
@@ -177,7 +176,7 @@ TEST(BringUpStates, PulsesAreWhatTheManualAsksFor) {
     ASSERT_EQ(toggle.edges.size(), toggled ? 4U : 0U);
     const rt::Duration powered = toggled ? toggle.edges[1].first : rt::Duration{0};
     ASSERT_EQ(brc.edges.size(), 7U) << "three pulses, once, and the release";
-    EXPECT_GE(brc.edges[0].first - powered, seconds{2});
+    EXPECT_GE(brc.edges[0].first - powered, std::chrono::seconds{2});
     for (std::size_t i = 0; i < 6; ++i) {
       EXPECT_EQ(brc.edges[i].second, i % 2 == 0 ? gpio::Level::low : gpio::Level::high);
       const rt::Duration width = brc.edges[i + 1].first - brc.edges[i].first;
@@ -228,7 +227,7 @@ TEST(BringUpStates, HalfAPulseTrainBeforeDoesNotMatter) {
   for (const int pulses : {1, 2}) {
     Bench bench{{.prepare =
                      [pulses](sim::Device& device, sim::VirtualLink& link) {
-                       link.advance(seconds{3});
+                       link.advance(std::chrono::seconds{3});
                        for (int i = 0; i < pulses; ++i) {
                          device.set_brc(false);
                          link.advance(milliseconds{120});
@@ -321,7 +320,7 @@ TEST_F(BringUpFails, SaysThatTheLineFailed) {
 
 // Unplugged at each instant of a bring-up that has everything to do.
 TEST_F(BringUpFails, UnpluggedAtAnyTimeLeavesThePinsReleased) {
-  for (milliseconds at{0}; at < seconds{6}; at += milliseconds{130}) {
+  for (milliseconds at{0}; at < std::chrono::seconds{6}; at += milliseconds{130}) {
     Bench bench{{.robot = {.power_on = sim::PowerOn::never}}, 19200};
     const rt::TimePoint gone = bench.link.now() + at;
     const auto report = bring_up(bench.link, {.packets = kReadingList,

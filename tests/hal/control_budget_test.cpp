@@ -13,9 +13,8 @@ namespace {
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""us;
 using test::DriveResult;
+using test::forward;
 using test::VirtualDrive;
-
-rt::WheelSpeeds forward(double /*seconds*/) { return {200.0, 200.0}; }
 
 int most_commands_in_a_tick(const DriveResult& result) {
   std::map<std::uint64_t, int> in_tick;

@@ -16,9 +16,8 @@ namespace cargobay::hal {
 namespace {
 
 using test::DriveResult;
+using test::forward;
 using test::VirtualDrive;
-
-rt::WheelSpeeds forward(double /*seconds*/) { return {200.0, 200.0}; }
 
 void expect_stopped(const VirtualDrive& drive) {
   EXPECT_EQ(drive.device.mode(), oi::Mode::passive);

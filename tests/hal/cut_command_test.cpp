@@ -14,7 +14,7 @@ using test::VirtualDrive;
 
 constexpr std::size_t kLongestAnswer = oi::kDriveDirectBytes + 2 + kReadingList.size();
 
-rt::WheelSpeeds forward(double seconds) {
+rt::WheelSpeeds turns_after_3_s(double seconds) {
   return seconds < 3.0 ? rt::WheelSpeeds{211.0, 187.0} : rt::WheelSpeeds{-103.0, 77.0};
 }
 
@@ -65,7 +65,7 @@ TEST(CutCommand, IsFilledUpWhereverItIsCut) {
     for (const int silent : {1, 3, 8}) {
       VirtualDrive drive{sim::Parameters{.remainder = sim::Remainder::carried}};
       const Cut cut{drive, carried, silent};
-      const DriveResult result = drive.run(400, forward);
+      const DriveResult result = drive.run(400, turns_after_3_s);
       ASSERT_TRUE(cut.done());
       EXPECT_EQ(result.end, CycleEnd::asked) << carried;
       EXPECT_EQ(result.frames.lost, static_cast<std::uint64_t>(silent)) << carried;
@@ -90,7 +90,7 @@ TEST(CutCommand, ThatARobotWaitsForTheRestOfIsFoundOut) {
       if (frame == kDeafFrom) drive.device.take_half_command();
       if (frame == kFreedBy) commanded = drive.device.commanded();
     };
-    const DriveResult result = drive.run(400, forward);
+    const DriveResult result = drive.run(400, turns_after_3_s);
     EXPECT_EQ(result.end, CycleEnd::asked);
     EXPECT_EQ(result.frames.lost, 0U);
     // By the answer to the frame before.
@@ -113,7 +113,7 @@ TEST(DamagedHeader, MakesAFrameABadOneAndNotALostOne) {
     }
     return bytes.size();
   };
-  const DriveResult result = drive.run(300, forward);
+  const DriveResult result = drive.run(300, turns_after_3_s);
   EXPECT_GT(damaged, 60U);
   EXPECT_EQ(result.frames.bad, damaged);
   EXPECT_EQ(result.frames.lost, 0U);

@@ -20,7 +20,7 @@ namespace {
 using std::chrono_literals::operator""ns;
 using test::RecordedDrive;
 
-constexpr rt::TimePoint kStart{rt::Duration{5'000'000'000}};
+constexpr rt::TimePoint kFirstArrival{rt::Duration{5'000'000'000}};
 
 std::vector<Entry> entries_of(const FlightRecorder::Block& block) {
   std::vector<Entry> all;
@@ -52,7 +52,7 @@ TEST(FlightRecorder, GivesBackWhatItWasTold) {
   const std::array<std::uint8_t, 3> frame{19, 0, 237};
   const std::array<std::uint8_t, 5> command{145, 0, 100, 0, 200};
   const CycleState state{.tick = -3,
-                         .arrival = kStart,
+                         .arrival = kFirstArrival,
                          .target = {-0.0, 1e-300},
                          .set = {1.5, -2.5},
                          .estimate = {std::numeric_limits<double>::infinity(), 0.1},
@@ -62,9 +62,9 @@ TEST(FlightRecorder, GivesBackWhatItWasTold) {
                          .setpoint_lapsed = true,
                          .battery_mv = -7};
   recorder.waited(ByteStream::Wait::timed_out);
-  recorder.clock(kStart);
+  recorder.clock(kFirstArrival);
   recorder.read(frame, 11);
-  recorder.clock(kStart + 300ns);
+  recorder.clock(kFirstArrival + 300ns);
   recorder.wrote(command, {.count = 4, .error = 5});
   recorder.state(state);
   recorder.ended(CycleEnd::link_lost);
@@ -73,15 +73,15 @@ TEST(FlightRecorder, GivesBackWhatItWasTold) {
   const std::vector<Entry> told = entries_of(blocks[0]);
   ASSERT_EQ(told.size(), 6U);
   EXPECT_EQ(told[0].wait, ByteStream::Wait::timed_out);
-  EXPECT_EQ(told[1].time, kStart);
+  EXPECT_EQ(told[1].time, kFirstArrival);
   EXPECT_TRUE(std::ranges::equal(told[2].bytes, frame));
   EXPECT_EQ(told[2].transfer.error, 11);
-  EXPECT_EQ(told[3].time, kStart + 300ns);
+  EXPECT_EQ(told[3].time, kFirstArrival + 300ns);
   EXPECT_TRUE(std::ranges::equal(told[4].bytes, command));
   EXPECT_EQ(told[4].transfer.count, 4U);
   EXPECT_EQ(told[4].transfer.error, 5);
   EXPECT_EQ(told[5].state.tick, -3);
-  EXPECT_EQ(told[5].state.arrival, kStart);
+  EXPECT_EQ(told[5].state.arrival, kFirstArrival);
   EXPECT_EQ(told[5].state.mode, oi::Mode::safe);
   EXPECT_EQ(told[5].state.target, state.target);
   EXPECT_TRUE(std::signbit(told[5].state.target.left_mm_s));
@@ -106,14 +106,14 @@ TEST(FlightRecorder, ShowsABlockWithTheStateOrOnceTheNextHasBegun) {
 
 TEST(FlightRecorder, StartsABlockWithTheTimeBefore) {
   FlightRecorder recorder;
-  recorder.clock(kStart);
+  recorder.clock(kFirstArrival);
   recorder.waited(ByteStream::Wait::ready);
-  recorder.clock(kStart + 7ns);
+  recorder.clock(kFirstArrival + 7ns);
   recorder.ended(CycleEnd::asked);
   const auto blocks = drained(recorder);
   ASSERT_EQ(blocks.size(), 2U);
-  EXPECT_EQ(blocks[1].time, kStart);
-  EXPECT_EQ(entries_of(blocks[1])[1].time, kStart + 7ns);
+  EXPECT_EQ(blocks[1].time, kFirstArrival);
+  EXPECT_EQ(entries_of(blocks[1])[1].time, kFirstArrival + 7ns);
 }
 
 TEST(FlightRecorder, SplitsWhatIsTooLongForABlock) {

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-constexpr unsigned kKernelThread = 0x00200040;
+constexpr unsigned kFlagsOfAKworker = 0x00200040;
 
 class KworkerBoostTest : public testing::Test {
  protected:
@@ -28,10 +28,10 @@ class KworkerBoostTest : public testing::Test {
     ASSERT_NE(mkdtemp(folder.data()), nullptr);
     proc_ = folder;
     add(1, "init", 0, 0);
-    add(20, "kworker/0:1-events", kKernelThread, 0);
-    add(21, "kworker/u8:0-events_unbound", kKernelThread, 0);
-    add(22, "kworker/u8:1-flush_to_ldisc", kKernelThread, 0);
-    add(23, "kworker/u8:2-writeback", kKernelThread, 50);
+    add(20, "kworker/0:1-events", kFlagsOfAKworker, 0);
+    add(21, "kworker/u8:0-events_unbound", kFlagsOfAKworker, 0);
+    add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 0);
+    add(23, "kworker/u8:2-writeback", kFlagsOfAKworker, 50);
     add(24, "kworker/u8:3 of a user", 0, 0);
   }
   void TearDown() override { std::filesystem::remove_all(proc_); }
@@ -49,13 +49,13 @@ class KworkerBoostTest : public testing::Test {
                 [this](pid_t thread, int priority) {
                   if (refuse_at_ == thread) return refuse_with_;
                   raised_.push_back(thread);
-                  add(thread, "kworker/u8:9", kKernelThread, priority);
+                  add(thread, "kworker/u8:9", kFlagsOfAKworker, priority);
                   return 0;
                 },
             .set_ordinary =
                 [this](pid_t thread) {
                   lowered_.push_back(thread);
-                  add(thread, "kworker/u8:9", kKernelThread, 0);
+                  add(thread, "kworker/u8:9", kFlagsOfAKworker, 0);
                   return 0;
                 }};
   }
@@ -88,8 +88,8 @@ TEST_F(KworkerBoostTest, IsUndoneByItsDestructor) {
 TEST_F(KworkerBoostTest, LeavesAloneWhatIsNoLongerAsItMadeIt) {
   KworkerBoost boost{79, proc_, scheduler()};
   ASSERT_EQ(boost.start(), 0);
-  add(21, "sshd", 0, 79);                                     // its number was given anew
-  add(22, "kworker/u8:1-flush_to_ldisc", kKernelThread, 60);  // somebody else's wish
+  add(21, "sshd", 0, 79);                                        // its number was given anew
+  add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 60);  // somebody else's wish
   boost.stop();
   EXPECT_THAT(lowered_, IsEmpty());
 }
@@ -113,7 +113,7 @@ TEST_F(KworkerBoostTest, PassesOverOneThatHasEnded) {
 }
 
 TEST_F(KworkerBoostTest, PutsRightWhatAKilledProcessLeft) {
-  add(22, "kworker/u8:1-flush_to_ldisc", kKernelThread, 79);
+  add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 79);
   KworkerBoost boost{79, proc_, scheduler()};
   ASSERT_EQ(boost.start(), 0);
   EXPECT_THAT(raised_, ElementsAre(21));

@@ -13,9 +13,8 @@ namespace cargobay::hal {
 namespace {
 
 using test::DriveResult;
+using test::forward;
 using test::VirtualDrive;
-
-rt::WheelSpeeds forward(double /*seconds*/) { return {200.0, 200.0}; }
 
 struct Danger {
   Hazard hazard;

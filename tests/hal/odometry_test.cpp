@@ -17,14 +17,14 @@ rt::WheelSpeeds wandering(double seconds, std::uint64_t seed) {
   return {200.0 + 80.0 * std::sin(0.7 * seconds + phase), 200.0 + 80.0 * std::cos(0.5 * seconds)};
 }
 
-struct Errors {
+struct PoseErrors {
   double position_mm = 0.0;  // greatest
   double heading_rad = 0.0;
   double within = 0.0;  // part of the drives whose end lies within what the covariance says
 };
 
-Errors errors(sim::Remainder kind) {
-  Errors found;
+PoseErrors errors(sim::Remainder kind) {
+  PoseErrors found;
   constexpr int kDrives = 40;
   int within = 0;
   for (std::uint64_t seed = 1; seed <= kDrives; ++seed) {
@@ -55,11 +55,11 @@ Errors errors(sim::Remainder kind) {
 
 // 18 s at about 200 mm/s: 3.6 m.
 TEST(LoopOdometry, IsWithinWhatItsCovarianceSays) {
-  const Errors carried = errors(sim::Remainder::carried);
+  const PoseErrors carried = errors(sim::Remainder::carried);
   EXPECT_LE(carried.position_mm, 40.0);
   EXPECT_LE(carried.heading_rad, 0.03);
   EXPECT_GE(carried.within, 0.95);
-  const Errors lost = errors(sim::Remainder::lost);
+  const PoseErrors lost = errors(sim::Remainder::lost);
   // Each reading takes up to a degree along, and nobody knows how much.
   EXPECT_LE(lost.position_mm, 900.0);
   EXPECT_LE(lost.heading_rad, 0.4);

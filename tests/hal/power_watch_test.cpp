@@ -105,7 +105,6 @@ TEST(Overcurrent, IsToldOnceForEachThatBegins) {
 // Through the lists that the loop streams, whether it needs every frame or one in forty.
 class PowerOfTheVirtualCreate : public testing::TestWithParam<sim::Remainder> {
  protected:
-  static rt::WheelSpeeds forward(double /*seconds*/) { return {200.0, 200.0}; }
   static Kinds kinds(const test::DriveResult& result) {
     Kinds kinds;
     for (const Event& event : result.events) kinds.push_back(event.what);
@@ -119,7 +118,7 @@ TEST_P(PowerOfTheVirtualCreate, NamesTheOvercurrentOfEachWheel) {
     drive_.device.inputs().overcurrent_left_wheel = frame >= 300 && frame < 400;
     drive_.device.inputs().overcurrent_right_wheel = frame >= 500 && frame < 600;
   };
-  const auto result = drive_.run(700, forward);
+  const auto result = drive_.run(700, test::forward);
   ASSERT_EQ(kinds(result), (Kinds{EventKind::overcurrent_began, EventKind::overcurrent_ended,
                                   EventKind::overcurrent_began, EventKind::overcurrent_ended}));
   EXPECT_TRUE(result.events[0].overcurrents.has(oi::Overcurrent::left_wheel));
@@ -129,7 +128,7 @@ TEST_P(PowerOfTheVirtualCreate, NamesTheOvercurrentOfEachWheel) {
 
 TEST_P(PowerOfTheVirtualCreate, TellsOfALowBattery) {
   drive_.device.battery().set_charge_mah(200.0);
-  const auto result = drive_.run(1000, forward);
+  const auto result = drive_.run(1000, test::forward);
   ASSERT_EQ(kinds(result), Kinds{EventKind::battery_low});
   EXPECT_NEAR(result.events[0].battery.charge_mah, 200.0, 5.0);
   EXPECT_LE(result.events[0].tick, 64 * 4);
@@ -146,7 +145,7 @@ TEST_P(PowerOfTheVirtualCreate, TellsOfCharging) {
     if (frames == 900) cycle->request_stop();
     return bytes.size();
   };
-  const auto result = drive_.run(2000, forward, {.on_mode_loss = OnModeLoss::hold});
+  const auto result = drive_.run(2000, test::forward, {.on_mode_loss = OnModeLoss::hold});
   EXPECT_EQ(kinds(result),
             (Kinds{EventKind::mode_lost, EventKind::charging_began, EventKind::charging_ended}));
   EXPECT_EQ(result.end, CycleEnd::asked);

@@ -21,7 +21,6 @@ namespace cargobay::hal {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -99,7 +98,7 @@ TEST_F(ReconnectTest, BringsARobotUpWhosePortIsThereAtOnce) {
     EXPECT_EQ(back->path, "/dev/ttyUSB1");
     EXPECT_EQ(back->remark, "a remark");
     EXPECT_EQ(device_.mode(), oi::Mode::safe);
-    EXPECT_EQ(elapsed(), seconds{0});
+    EXPECT_EQ(elapsed(), std::chrono::seconds{0});
   }
   EXPECT_EQ(device_.mode(), oi::Mode::passive) << "it is a Robot like any other";
 }
@@ -107,7 +106,7 @@ TEST_F(ReconnectTest, BringsARobotUpWhosePortIsThereAtOnce) {
 TEST_F(ReconnectTest, FindsAPortWithin400MillisecondsOfItsReturn) {
   back_at_ += milliseconds{7001};
   ASSERT_TRUE(reconnect(request_));
-  EXPECT_EQ(looked_at_.front(), seconds{0});
+  EXPECT_EQ(looked_at_.front(), std::chrono::seconds{0});
   EXPECT_LE(looked_at_.back() - milliseconds{7001}, milliseconds{400});
   EXPECT_LE(looked_at_.size(), 22U) << "and does not look more often than it must";
 }
@@ -120,25 +119,25 @@ TEST_F(ReconnectTest, TriesAgainWhereThePortIsNotReadyYet) {
 }
 
 TEST_F(ReconnectTest, GivesUpAndSaysWhatItTriedLast) {
-  back_at_ += seconds{3600};
-  request_.patience = seconds{5};
+  back_at_ += std::chrono::seconds{3600};
+  request_.patience = std::chrono::seconds{5};
   const auto back = reconnect(request_);
   ASSERT_FALSE(back);
-  EXPECT_GE(elapsed(), seconds{5});
+  EXPECT_GE(elapsed(), std::chrono::seconds{5});
   EXPECT_LE(elapsed(), milliseconds{5020});
   EXPECT_THAT(back.failure().message, HasSubstr("within 5 s: /dev/ttyUSB0 is not there"));
 }
 
 TEST_F(ReconnectTest, SaysWhyAPortThatIsBackCouldNotBeUsed) {
   refusals_ = 1000;
-  request_.patience = seconds{2};
+  request_.patience = std::chrono::seconds{2};
   const auto back = reconnect(request_);
   ASSERT_FALSE(back);
   EXPECT_THAT(back.failure().message, HasSubstr("no permission to open /dev/ttyUSB1"));
 }
 
 TEST_F(ReconnectTest, MayBeCancelledAtAnyTime) {
-  back_at_ += seconds{3600};
+  back_at_ += std::chrono::seconds{3600};
   request_.robot.cancelled = [this] { return elapsed() >= milliseconds{1234}; };
   const auto back = reconnect(request_);
   ASSERT_FALSE(back);
@@ -150,7 +149,7 @@ TEST_F(ReconnectTest, MayBeCancelledAtAnyTime) {
 // The robot may be off: that its port is there is not all.
 TEST_F(ReconnectTest, EndsABringUpThatOutlastsItsPatience) {
   device_.press_power();
-  request_.patience = seconds{2};
+  request_.patience = std::chrono::seconds{2};
   request_.robot.cancelled = [this] {
     pass(milliseconds{20});  // so often a bring-up asks
     return false;

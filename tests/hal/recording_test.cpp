@@ -27,7 +27,7 @@ const Bytes& drive() {
   return kFile;
 }
 
-std::string complaint(const Bytes& file) {
+std::string complaint_about(const Bytes& file) {
   const auto recording = Recording::read(file);
   return recording ? "" : recording.failure().message;
 }
@@ -126,15 +126,15 @@ TEST(Recording, IsReadWhole) {
 }
 
 TEST(Recording, IsNoneWhereItHasNotTheMagic) {
-  EXPECT_TRUE(says(complaint({}), "no recording"));
-  EXPECT_TRUE(says(complaint({'h', 'e', 'l', 'l', 'o'}), "no recording"));
-  EXPECT_TRUE(says(complaint(Bytes(5000, 0)), "no recording"));
+  EXPECT_TRUE(says(complaint_about({}), "no recording"));
+  EXPECT_TRUE(says(complaint_about({'h', 'e', 'l', 'l', 'o'}), "no recording"));
+  EXPECT_TRUE(says(complaint_about(Bytes(5000, 0)), "no recording"));
 }
 
 TEST(Recording, IsOfThisVersionOnly) {
   Bytes file = drive();
   file[kRecordingMagic.size()] = 9;
-  EXPECT_TRUE(says(complaint(file), "version 9, and this program reads version 1"));
+  EXPECT_TRUE(says(complaint_about(file), "version 9, and this program reads version 1"));
 }
 
 // As the power was cut at any byte.
@@ -182,8 +182,8 @@ TEST(Recording, SaysWhereItIsDamaged) {
   const auto entries = static_cast<std::size_t>(block.entries.data() - drive().data());
   file[entries + 5] ^= 0x20;
   const std::string byte = std::to_string(entries - kBlockHeadBytes);
-  EXPECT_TRUE(says(complaint(file), "is damaged at byte " + byte)) << complaint(file);
-  EXPECT_TRUE(says(complaint(file), "head -c " + byte));
+  EXPECT_TRUE(says(complaint_about(file), "is damaged at byte " + byte)) << complaint_about(file);
+  EXPECT_TRUE(says(complaint_about(file), "head -c " + byte));
   file.resize(entries - kBlockHeadBytes);
   const auto kept = Recording::read(file);
   ASSERT_TRUE(kept);
@@ -216,7 +216,7 @@ TEST(Recording, RefusesBlocksOutOfOrder) {
   const std::ptrdiff_t last = whole->blocks().back().entries.data() - drive().data() -
                               static_cast<std::ptrdiff_t>(kBlockHeadBytes);
   file.insert(file.end(), drive().begin() + last, drive().end());
-  EXPECT_TRUE(says(complaint(file), "out of order"));
+  EXPECT_TRUE(says(complaint_about(file), "out of order"));
 }
 
 // Whatever a block says of itself, with a checksum that is right.

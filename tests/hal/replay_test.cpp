@@ -7,11 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/hal/command_request.hpp"
 #include "tests/hal/recorded_drive.hpp"
 
 namespace cargobay::hal {
 namespace {
 
+using test::command;
 using test::RecordedDrive;
 
 ReplayResult replayed(const std::vector<std::uint8_t>& file) {
@@ -38,13 +40,6 @@ TEST(Replay, IsTheSameForAnUndisturbedDrive) {
     EXPECT_EQ(result.commands, 2001U) << "one a frame, and the last stop";
     EXPECT_EQ(result.end, CycleEnd::asked);
   }
-}
-
-Request command(std::initializer_list<std::uint8_t> bytes) {
-  Request request;
-  request.size = static_cast<std::uint8_t>(bytes.size());
-  std::ranges::copy(bytes, request.bytes.begin());
-  return request;
 }
 
 TEST(Replay, IsTheSameWithWhatOthersAskedFor) {

@@ -6,22 +6,15 @@
 #include <gtest/gtest.h>
 
 #include "hal/request.hpp"
+#include "tests/hal/command_request.hpp"
 #include "tests/hal/virtual_drive.hpp"
 
 namespace cargobay::hal {
 namespace {
 
+using test::command;
 using test::DriveResult;
 using test::VirtualDrive;
-
-Request command(std::initializer_list<std::uint8_t> bytes,
-                Request::WhenLong when_long = Request::WhenLong::wait) {
-  Request request;
-  request.when_long = when_long;
-  request.size = static_cast<std::uint8_t>(bytes.size());
-  std::ranges::copy(bytes, request.bytes.begin());
-  return request;
-}
 
 // A script of 100 bytes: 25 times the LEDs.
 Request script(Request::WhenLong when_long) {

@@ -17,7 +17,7 @@ namespace {
 using test::DriveResult;
 using test::VirtualDrive;
 
-rt::WheelSpeeds forward(double seconds) {
+rt::WheelSpeeds turns_after_5_s(double seconds) {
   return seconds < 5.0 ? rt::WheelSpeeds{211.0, 187.0} : rt::WheelSpeeds{-103.0, 77.0};
 }
 
@@ -28,7 +28,7 @@ struct Checked {
 };
 
 Checked drive_over(VirtualDrive& drive) {
-  Checked run{.result = drive.run(600, forward)};
+  Checked run{.result = drive.run(600, turns_after_5_s)};
   run.unknown = drive.device.counters().unknown_opcodes;
   run.refused = drive.device.counters().commands_refused;
   return run;
@@ -100,7 +100,7 @@ TEST(ShortWrite, OfAStopIsTriedUntilItIsWhole) {
     if (++swallowed < 40) at_the_end = drive.device.commanded();
     return 0;
   };
-  const DriveResult result = drive.run(300, forward);
+  const DriveResult result = drive.run(300, turns_after_5_s);
   EXPECT_EQ(result.end, CycleEnd::link_lost);
   EXPECT_EQ(at_the_end, rt::WheelSpeeds{});
   EXPECT_EQ(drive.device.counters().unknown_opcodes, ControlCycle::kLongestOwnRest)

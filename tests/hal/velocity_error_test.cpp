@@ -27,9 +27,9 @@ namespace {
 
 using std::chrono_literals::operator""ms;
 
-constexpr int kFrames = 800;
-constexpr int kSettled = 67;        // frames before anything is judged: a second
-constexpr double kMostDelay = 6e6;  // ns
+constexpr int kFramesOfADrive = 800;
+constexpr int kFramesToSettle = 67;  // frames before anything is judged: a second
+constexpr double kMostDelay = 6e6;   // ns
 constexpr rt::Duration kGap = 80ms;
 constexpr std::int64_t kGapEvery = 150;  // ticks, on the average
 
@@ -89,7 +89,7 @@ class ByArrival {
 enum class Reads { as_the_loop_wants, every_frame };
 
 // Of both wheels, over one drive: sums of squares against the truth.
-struct Errors {
+struct SpeedErrors {
   double estimate = 0.0;
   double by_arrival = 0.0;
   int count = 0;
@@ -107,7 +107,7 @@ class Drive {
     device_.on_tick = [this](const sim::Device& robot) { truth_ = robot.truth().speeds; };
   }
 
-  Errors run(Reads reads) {
+  SpeedErrors run(Reads reads) {
     EXPECT_TRUE(bring_up(tap_, {.packets = kReadingList}));
     EXPECT_FALSE(tap_.set_wake_threshold(kFrameBytes));
     ControlCycle::Parameters parameters;
@@ -134,8 +134,8 @@ class Drive {
     return self.target_;
   }
   void judge(const rt::WheelSpeeds& estimate) noexcept CARGOBAY_NONBLOCKING {
-    if (++frames_ == kFrames) cycle_->request_stop();
-    if (frames_ < kSettled) return;
+    if (++frames_ == kFramesOfADrive) cycle_->request_stop();
+    if (frames_ < kFramesToSettle) return;
     errors_.estimate += square(estimate);
     errors_.by_arrival += square(by_arrival_.speeds());
     errors_.count += 2;
@@ -156,7 +156,7 @@ class Drive {
   ControlCycle* cycle_ = nullptr;
   rt::WheelSpeeds truth_{};
   int frames_ = 0;
-  Errors errors_{};
+  SpeedErrors errors_{};
 };
 
 void compare(sim::Remainder kind) {
@@ -168,8 +168,8 @@ void compare(sim::Remainder kind) {
     for (const rt::WheelSpeeds& target :
          {rt::WheelSpeeds{speed, speed}, {-speed, -speed}, {-speed, speed}, {0.5 * speed, speed}}) {
       const auto seed = static_cast<std::uint64_t>(eighth);
-      const Errors ours = Drive{kind, target, seed}.run(Reads::as_the_loop_wants);
-      const Errors naive = Drive{kind, target, seed}.run(Reads::every_frame);
+      const SpeedErrors ours = Drive{kind, target, seed}.run(Reads::as_the_loop_wants);
+      const SpeedErrors naive = Drive{kind, target, seed}.run(Reads::every_frame);
       estimate += ours.estimate / ours.count;
       by_arrival += naive.by_arrival / naive.count;
       ++count;

@@ -38,6 +38,9 @@ struct DriveResult {
   Hazards causes{};  // of the loss of the mode
 };
 
+// A target: straight ahead.
+inline rt::WheelSpeeds forward(double /*seconds*/) { return {200.0, 200.0}; }
+
 class VirtualDrive {
  public:
   explicit VirtualDrive(const sim::Parameters& plant) : device{plant}, link{device} {

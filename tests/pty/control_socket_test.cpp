@@ -10,20 +10,15 @@
 
 #include "tests/pty/control_client.hpp"
 #include "tests/pty/serial_client.hpp"
+#include "tests/pty/temporary_path.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this folder's own helpers
 
-std::string temporary_path(const std::string& name) {
-  return (std::filesystem::temp_directory_path() /
-          ("cargobay-control-" + std::to_string(getpid()) + "-" + name))
-      .string();
-}
-
 struct Bench {
-  Bench() : path{temporary_path("socket")}, link{temporary_path("port")} {
+  Bench() : path{temporary_path("socket")}, link{test::temporary_path("port")} {
     auto opened = Server::open({}, {.link = link});
     if (!opened) return;
     server = std::move(*opened);

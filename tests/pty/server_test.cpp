@@ -13,6 +13,7 @@
 #include "oi/baud.hpp"
 #include "oi/checksum.hpp"
 #include "tests/pty/serial_client.hpp"
+#include "tests/pty/temporary_path.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
@@ -24,12 +25,6 @@ std::unique_ptr<Server> serve(const ServerOptions& options = {},
   Result<std::unique_ptr<Server>> server = Server::open(parameters, options);
   if (!server || (*server)->start()) return nullptr;
   return std::move(*server);
-}
-
-std::string temporary_path(const std::string& name) {
-  return (std::filesystem::temp_directory_path() /
-          ("cargobay-" + std::to_string(getpid()) + "-" + name))
-      .string();
 }
 
 TEST(TtySpeed, ReadsOnTheMasterWhatTheSlaveWasSetTo) {

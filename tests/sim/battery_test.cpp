@@ -13,8 +13,6 @@ namespace {
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 using oi::ChargingState;
 
-std::string text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
-
 TEST(Battery, IsDrainedByWhatItDrives) {
   Robot robot;
   robot.send({128, 132});

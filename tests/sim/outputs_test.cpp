@@ -8,12 +8,12 @@ namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
-struct Controlled : Robot {
-  Controlled() { send({128, 132}); }
+struct InSafe : Robot {
+  InSafe() { send({128, 132}); }
 };
 
 TEST(Leds, ShowTheManualsExample) {
-  Controlled robot;
+  InSafe robot;
   robot.send({139, 8, 0, 128});
   EXPECT_FALSE(robot.device.actuators().leds.play);
   EXPECT_TRUE(robot.device.actuators().leds.advance);
@@ -22,13 +22,13 @@ TEST(Leds, ShowTheManualsExample) {
 }
 
 TEST(LowSideDrivers, SwitchFullyOn) {
-  Controlled robot;
+  InSafe robot;
   robot.send({138, 2});
   EXPECT_EQ(robot.device.actuators().low_side_drivers, (std::array<std::uint8_t, 3>{0, 128, 0}));
 }
 
 TEST(LowSideDrivers, TakeTheDutyOfDriver2First) {
-  Controlled robot;
+  InSafe robot;
   robot.send({144, 32, 0, 128});  // the manual's example
   EXPECT_EQ(robot.device.actuators().low_side_drivers, (std::array<std::uint8_t, 3>{128, 0, 32}));
   robot.send({144, 255, 129, 128});
@@ -37,20 +37,20 @@ TEST(LowSideDrivers, TakeTheDutyOfDriver2First) {
 }
 
 TEST(DigitalOutputs, AreThree) {
-  Controlled robot;
+  InSafe robot;
   robot.send({147, 0xfd});
   EXPECT_EQ(robot.device.actuators().digital_outputs, 0b101);
 }
 
 TEST(SendIr, SendsItsByte) {
-  Controlled robot;
+  InSafe robot;
   robot.send({151, 0});
   EXPECT_EQ(robot.device.actuators().infrared_sent, 0);
   EXPECT_EQ(robot.device.actuators().infrared_count, 1U);
 }
 
 TEST(Songs, LastAsLongAsTheirNotes) {
-  Controlled robot;
+  InSafe robot;
   robot.send({140, 3, 2, 60, 32, 30, 16, 141, 3});  // half a second, then a rest of a quarter
   EXPECT_EQ(robot.ask({149, 2, 36, 37}), (Bytes{3, 1}));
   EXPECT_EQ(robot.device.songs().sounding(robot.device.now()), 60);
@@ -62,7 +62,7 @@ TEST(Songs, LastAsLongAsTheirNotes) {
 }
 
 TEST(Songs, IgnorePlayWhileOnePlays) {
-  Controlled robot;
+  InSafe robot;
   robot.send({140, 0, 1, 60, 64, 140, 1, 1, 61, 64, 141, 0, 141, 1});
   EXPECT_EQ(robot.device.songs().selected(), 0);
   robot.wait(1100ms);
@@ -71,13 +71,13 @@ TEST(Songs, IgnorePlayWhileOnePlays) {
 }
 
 TEST(Songs, IgnoreASlotWithNothingInIt) {
-  Controlled robot;
+  InSafe robot;
   robot.send({141, 5, 141, 16, 141, 255});
   EXPECT_FALSE(robot.device.songs().playing());
 }
 
 TEST(Songs, HoldAllSixteenOfSixteenNotes) {
-  Controlled robot;
+  InSafe robot;
   for (std::uint8_t slot = 0; slot < 16; ++slot) {
     Bytes song{140, slot, 16};
     for (std::uint8_t note = 0; note < 16; ++note) song.insert(song.end(), {60, 1});
@@ -89,7 +89,7 @@ TEST(Songs, HoldAllSixteenOfSixteenNotes) {
 }
 
 TEST(Script, IsShownAsItWasStored) {
-  Controlled robot;
+  InSafe robot;
   robot.send({152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0});
   EXPECT_EQ(robot.ask({154}), (Bytes{13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0}));
   robot.send({152, 0});
@@ -97,7 +97,7 @@ TEST(Script, IsShownAsItWasStored) {
 }
 
 TEST(Script, HaltsTheStreamWhenShown) {
-  Controlled robot;
+  InSafe robot;
   robot.send({148, 1, 35, 154});
   robot.wait(100ms);
   EXPECT_EQ(robot.receive(), (Bytes{0}));

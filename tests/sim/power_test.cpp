@@ -12,8 +12,6 @@ namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
-std::string text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
-
 Parameters powered(PowerOn power_on) {
   Parameters parameters;
   parameters.power_on = power_on;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <string>
 #include <vector>
 
 #include "hal/sim/device.hpp"
@@ -15,6 +16,8 @@
 namespace cargobay::hal::sim::test {
 
 using Bytes = std::vector<std::uint8_t>;
+inline std::string text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""us;
 using std::chrono_literals::operator""ns;

@@ -8,14 +8,14 @@ namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
-struct Controlled : Robot {
-  explicit Controlled(const Parameters& parameters = ideal_wheels()) : Robot{parameters} {
+struct Scripted : Robot {
+  explicit Scripted(const Parameters& parameters = ideal_wheels()) : Robot{parameters} {
     send({128, 132});
   }
 };
 
 TEST(Script, DrivesTheManualsFortyCentimetres) {
-  Controlled robot;
+  Scripted robot;
   robot.send({152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0});
   EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0) << "stored, not played";
   robot.send({153});
@@ -26,7 +26,7 @@ TEST(Script, DrivesTheManualsFortyCentimetres) {
 }
 
 TEST(Script, TogglesTheManualsLedOnBumps) {
-  Controlled robot;
+  Scripted robot;
   robot.send({152, 17, 158, 5, 158, 251, 139, 2, 0, 0, 158, 5, 158, 251, 139, 0, 0, 0, 153});
   robot.send({153});
   for (const bool lit : {true, false, true, false, true}) {
@@ -41,7 +41,7 @@ TEST(Script, TogglesTheManualsLedOnBumps) {
 }
 
 TEST(Script, DrivesTheManualsSquareForEver) {
-  Controlled robot;
+  Scripted robot;
   robot.send({152, 17, 137, 1, 44, 128, 0, 156, 1, 144, 137, 1, 44, 0, 1, 157, 0, 90, 153});
   robot.send({153});
   double farthest_mm = 0.0;
@@ -55,7 +55,7 @@ TEST(Script, DrivesTheManualsSquareForEver) {
 }
 
 TEST(Script, GoesOnLoopingWithoutAWaitAndStaysResponsive) {
-  Controlled robot;
+  Scripted robot;
   robot.send({152, 5, 139, 10, 0, 0, 153, 153});
   robot.wait(1s);
   EXPECT_TRUE(robot.device.actuators().leds.advance);
@@ -65,7 +65,7 @@ TEST(Script, GoesOnLoopingWithoutAWaitAndStaysResponsive) {
 }
 
 TEST(Script, PlaysNothingWhereNoneIsStored) {
-  Controlled robot;
+  Scripted robot;
   robot.send({153});
   EXPECT_EQ(robot.ask({142, 35}), (Bytes{3}));
   robot.send({152, 2, 142, 35, 152, 0, 153});
@@ -74,7 +74,7 @@ TEST(Script, PlaysNothingWhereNoneIsStored) {
 }
 
 TEST(Script, RefusesMoreThanAHundredBytes) {
-  Controlled robot;
+  Scripted robot;
   Bytes longest{152, 100};
   longest.resize(102, 173);
   robot.send(longest);
@@ -87,7 +87,7 @@ TEST(Script, RefusesMoreThanAHundredBytes) {
 }
 
 TEST(Wait, IsDeafAndKeepsWhatItHearsForLater) {
-  Controlled robot;
+  Scripted robot;
   // What hosts do: drive, wait, stop and ask for the script as a sign that it is done.
   robot.send({137, 0, 200, 128, 0, 156, 0, 100, 137, 0, 0, 0, 0, 154});
   robot.wait(400ms);
@@ -102,7 +102,7 @@ TEST(Wait, IsDeafAndKeepsWhatItHearsForLater) {
 }
 
 TEST(Wait, LosesWhatItHasNoRoomFor) {
-  Controlled robot;
+  Scripted robot;
   robot.send({155, 255});
   robot.send(Bytes(2000, 0));
   EXPECT_GT(robot.device.counters().bytes_overrun, 1000U);
@@ -111,7 +111,7 @@ TEST(Wait, LosesWhatItHasNoRoomFor) {
 }
 
 TEST(Wait, SilencesTheStream) {
-  Controlled robot;
+  Scripted robot;
   robot.send({148, 1, 35, 155, 10});
   robot.wait(900ms);
   EXPECT_TRUE(robot.receive().empty());
@@ -120,7 +120,7 @@ TEST(Wait, SilencesTheStream) {
 }
 
 TEST(Wait, LastsTenthsOfSecondsByTicks) {
-  Controlled robot;
+  Scripted robot;
   robot.to_tick();
   const rt::Duration before = robot.device.now();
   robot.send({155, 10});
@@ -131,7 +131,7 @@ TEST(Wait, LastsTenthsOfSecondsByTicks) {
 }
 
 TEST(Wait, CountsDistanceBackward) {
-  Controlled robot;
+  Scripted robot;
   robot.send({145, 0xff, 0x38, 0xff, 0x38, 156, 0xff, 0x9c});  // -200 mm/s, -100 mm
   robot.wait(450ms);
   EXPECT_TRUE(robot.device.waiting());
@@ -140,7 +140,7 @@ TEST(Wait, CountsDistanceBackward) {
 }
 
 TEST(Wait, CountsAnglesBothWays) {
-  Controlled robot;
+  Scripted robot;
   robot.send(
       {137, 0, 129, 0xff, 0xff, 157, 0xff, 0xa6});  // clockwise a radian a second, -90 degrees
   robot.wait(1500ms);
@@ -150,7 +150,7 @@ TEST(Wait, CountsAnglesBothWays) {
 }
 
 TEST(Wait, BeginsCountingAnewEachTime) {
-  Controlled robot;
+  Scripted robot;
   robot.send({145, 0, 200, 0, 200});
   robot.wait(2s);
   robot.send({156, 0, 100});
@@ -189,7 +189,7 @@ constexpr EventCase kEvents[] = {
 
 TEST(Wait, EndsWithItsEvent) {
   for (const EventCase& each : kEvents) {
-    Controlled robot;
+    Scripted robot;
     robot.send({158, static_cast<std::uint8_t>(each.event)});
     robot.wait(100ms);
     EXPECT_TRUE(robot.device.waiting()) << int{each.event};
@@ -201,7 +201,7 @@ TEST(Wait, EndsWithItsEvent) {
 
 TEST(Wait, EndsWhenItsEventIsOver) {
   for (const EventCase& each : kEvents) {
-    Controlled robot;
+    Scripted robot;
     each.set(robot.device.inputs());
     robot.to_tick();
     robot.send({158, static_cast<std::uint8_t>(-each.event)});
@@ -225,7 +225,7 @@ TEST(Wait, SeesTheModeBecomePassive) {
 
 TEST(Wait, DoesNotWaitForAnEventThatIsNone) {
   for (const std::uint8_t event : Bytes{0, 23, 233, 128}) {
-    Controlled robot;
+    Scripted robot;
     robot.send({158, event});
     EXPECT_FALSE(robot.device.waiting()) << int{event};
   }
