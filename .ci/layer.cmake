@@ -22,8 +22,9 @@ function(cargobay_layer layer)
     PUBLIC $<BUILD_INTERFACE:cargobay_sanitize>)
 endfunction()
 
-# cargobay_units(<target> <source>...): with CMAKE_UNITY_BUILD, as in the presets that nobody edits
-# under, these are compiled a folder at a time. Other sources of the target stay alone.
+# cargobay_units(<target> <source>...): with CMAKE_UNITY_BUILD, as in the presets, these are compiled
+# a folder at a time. Other sources of the target stay alone. Who edits one file over and over may
+# configure with -DCMAKE_UNITY_BUILD=OFF; clang-tidy sees each file by itself anyway.
 function(cargobay_units target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)

@@ -11,7 +11,7 @@ trap 'rm -f "$runs"' EXIT
 expect() {
   local code=0
   : > "$runs"
-  "$program" --bear "$4" /bin/sh -c "echo >> '$runs'; $5" || code=$?
+  "$program" --bear "$4" /bin/sh -c "echo >> '$runs'; $5" > /dev/null || code=$?
   if ((code != $2 || $(wc -l < "$runs") != $3)); then
     echo "self_test.sh: $1: returned $code after $(wc -l < "$runs") runs, not $2 after $3" >&2
     exit 1
