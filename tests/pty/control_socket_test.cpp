@@ -18,7 +18,7 @@ namespace {
 using namespace test;  // NOLINT(google-build-using-namespace): this folder's own helpers
 
 struct Bench {
-  Bench() : path{temporary_path("socket")}, link{test::temporary_path("port")} {
+  Bench() : path{temporary_path("socket")}, link{temporary_path("port")} {
     auto opened = Server::open({}, {.link = link});
     if (!opened) return;
     server = std::move(*opened);
