@@ -241,10 +241,20 @@ FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
   return next;
 }
 
+// The frame that is answered.
+bool ControlCycle::on_time() const noexcept CARGOBAY_NONBLOCKING {
+  const rt::Duration margin = way_around(tick_);
+  const rt::Duration behind = last_arrival_ - ticks_.due_by(last_arrival_ + margin);
+  return ticks_.knows_phase() && readings_.size() == 1 && behind <= margin;
+}
+
 // Whether the robot may get what is sent then in the same tick as the last command: a frame that
-// was very late has been answered in the tick of the next.
+// was very late has been answered in the tick of the next. Unless this one is on time without
+// doubt, commands are nearly a tick apart in any case: where all frames are late the phase does not
+// show.
 bool ControlCycle::tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING {
-  if (!ticks_.in_phase()) return sent - last_command_ < tick_ - way_around(tick_);
+  if (!on_time() && sent - last_command_ < tick_ - way_around(tick_)) return true;
+  if (!ticks_.in_phase()) return false;
   // A command reaches the robot in a new tick where it is sent so long before that tick's frame.
   const rt::Duration lead = frame_time_ + command_time_;
   const rt::TimePoint tick_began = ticks_.due_by(sent + lead) - lead;

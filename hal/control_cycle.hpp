@@ -240,6 +240,7 @@ class ControlCycle {
   Step answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   void account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   void account_for_ticks(rt::TimePoint arrival, int frames) noexcept CARGOBAY_NONBLOCKING;
+  bool reading_is_doubtful() const noexcept CARGOBAY_NONBLOCKING;
   std::uint64_t newly_damaged(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   void take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING;
   std::int64_t silent_ticks() const noexcept CARGOBAY_NONBLOCKING;
@@ -256,6 +257,7 @@ class ControlCycle {
   void take(const Request& request) noexcept CARGOBAY_NONBLOCKING;
   void add_command() noexcept CARGOBAY_NONBLOCKING;
   std::size_t longest_rest() const noexcept CARGOBAY_NONBLOCKING;
+  bool on_time() const noexcept CARGOBAY_NONBLOCKING;
   bool tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING;
   Sent send(const rt::WheelSpeeds& command, FrameList list,
             rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;

@@ -102,13 +102,15 @@ void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING 
   frames_.good += readings_.size();
   const std::uint64_t seen_damaged = newly_damaged(arrival);
   if (!ticks_.started()) {
-    ticks_.start(arrival);  // damage was to whatever was under way when we began to listen
+    late_ = readings_.size() > 1;  // they had been waiting, and more may be
+    ticks_.start(arrival);         // damage was to whatever was under way when we began to listen
   } else {
     damaged_ += seen_damaged;
     account_for_ticks(arrival, static_cast<int>(readings_.size()));
     // Of several together all but the last are a tick late at least.
     late_ = readings_.size() > 1 || arrival - ticks_.due_by(arrival) > parameters_.late_margin;
     if (late_) ++overruns_.wait;
+    if (!ticks_.in_phase()) loop_.sent_late();  // what was sent before, as shows now
   }
   for (const auto& reading : readings_) {
     loop_.frame(reading);
@@ -134,22 +136,35 @@ void ControlCycle::account_for_ticks(rt::TimePoint arrival,
   const auto given_up = static_cast<std::uint64_t>(std::max(lost, 0));
   const std::uint64_t bad = std::min(damaged_, given_up);
   const std::uint64_t never_came = given_up - bad;
+  const int unforeseen = std::max(lost - foreseen_, 0);
+  foreseen_ -= std::max(lost, 0) - unforeseen;
   // What never came is missed late, so the list that it was of may be an older one.
-  loop_.lost(lost - foreseen_,
+  loop_.lost(unforeseen,
              ticks_since_reads_ <= (never_came == 0 ? 1 : rt::TickClock::kPatience + 1));
   frames_.bad += bad;
   frames_.lost += never_came;
-  if (lost < 0) take_back(static_cast<std::uint64_t>(-lost));
+  if (lost < 0) {
+    take_back(static_cast<std::uint64_t>(-lost));
+    loop_.came_after_all(-lost);
+  }
   if (lost > 0) {
     tell({.what = EventKind::frames_lost, .frames = static_cast<std::uint32_t>(lost)},
          ticks_.ticks());
   }
   // One frame may be damaged in several places, and noise between two frames damages none.
   damaged_ = ticks_.missing() == 0 ? 0 : damaged_ - bad;
-  // Of a window, a frame that is missing may have taken most with it.
+  if (reading_is_doubtful()) loop_.doubt_next_reading();
+  // What was foreseen and is not lost is here.
+  if (!ticks_.in_doubt()) loop_.came_after_all(std::exchange(foreseen_, 0));
+}
+
+// Of a window, a frame that is missing when it ends may have taken most with it. One that was
+// missing on the way, and came, did not.
+bool ControlCycle::reading_is_doubtful() const noexcept CARGOBAY_NONBLOCKING {
+  bool reads = false;
+  for (const auto& reading : readings_) reads = reads || reading.has_value();
   const bool window = list_ != FrameList::reading || former_list_ != FrameList::reading;
-  if (ticks_.in_doubt() || (window && ticks_.missing() > 0)) loop_.doubt_next_reading();
-  if (!ticks_.in_doubt()) foreseen_ = 0;
+  return reads && (ticks_.in_doubt() || (window && ticks_.missing() > 0));
 }
 
 // Frames that were seen to be no good since the last one that was. One whose header is damaged

@@ -22,6 +22,7 @@ constexpr std::int64_t kMemory = 67;
 void TickClock::start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   started_ = true;
   in_phase_ = false;
+  in_phase_for_ = 0;
   phase_ = arrival;
   by_time_ = 0;
   counted_ = 0;
@@ -43,6 +44,7 @@ int TickClock::arrived(TimePoint arrival, int frames,
     by_time_ = counted_;
     phase_ = arrival;
   }
+  in_phase_for_ = in_phase_ ? std::min(in_phase_for_ + 1, kArrivalsToKnow) : 0;
   const std::int64_t lost = settle(passed, damaged);
   counted_ += lost;
   if (lost > 0) {

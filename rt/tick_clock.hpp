@@ -20,6 +20,9 @@ class TickClock {
  public:
   // Ticks for which something is missing before it is given up.
   static constexpr int kPatience = 6;
+  // Arrivals, in phase, until the phase is known: as many as an adapter that hands over every 16 ms
+  // takes from one that is on time to the next.
+  static constexpr int kArrivalsToKnow = 16;
 
   explicit TickClock(Duration tick) : tick_{tick} {}
 
@@ -37,6 +40,10 @@ class TickClock {
   TimePoint due_by(TimePoint time) const noexcept CARGOBAY_NONBLOCKING;
   // False after an arrival so early that the phase must have been wrong, and may still be.
   bool in_phase() const noexcept CARGOBAY_NONBLOCKING { return in_phase_; }
+  // In phase for so long that one of the frames since then was on time, and showed it.
+  bool knows_phase() const noexcept CARGOBAY_NONBLOCKING {
+    return in_phase_for_ == kArrivalsToKnow;
+  }
   // When the next frame arrives if it is on time.
   TimePoint expected() const noexcept CARGOBAY_NONBLOCKING { return phase_ + tick_; }
   // Frames received and lost since start().
@@ -54,6 +61,7 @@ class TickClock {
   Duration tick_;
   bool started_ = false;
   bool in_phase_ = false;
+  int in_phase_for_ = 0;            // arrivals, up to kArrivalsToKnow
   TimePoint phase_{};               // when the newest tick's frame was due
   std::int64_t by_time_ = 0;        // ticks since start, by the clock
   std::int64_t counted_ = 0;        // ticks since start, received and lost

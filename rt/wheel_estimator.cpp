@@ -11,7 +11,7 @@ constexpr double kInitialLogOdds = -1.5;  // until proven, the kind that is safe
 constexpr double kMostLogOdds = 20.0;     // so that a mistake can still be undone
 // A reading that both kinds expected says nothing. Counted all the same, the small preference that
 // each filter has for its own expectations adds up over a long steady drive and decides wrongly.
-constexpr double kLeastEvidence = 0.1;
+constexpr double kLeastEvidence = 0.3;
 constexpr double kMostSpeed = 600.0;  // mm/s, a fifth above what the robot can be told
 constexpr double kSlackSteps = 2.0;   // of the counter
 
@@ -147,6 +147,11 @@ void WheelEstimator::step_lost(const WheelSpeeds& command,
                                bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
   predict(command);
   if (may_have_read) reading_unsure_ = true;
+}
+
+void WheelEstimator::came_after_all(const std::optional<Reading>& reading) noexcept
+    CARGOBAY_NONBLOCKING {
+  if (reading.has_value()) reading_unsure_ = true;
 }
 
 void WheelEstimator::weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING {

@@ -63,6 +63,10 @@ class WheelEstimator {
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
   void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
 
+  // A frame whose tick was taken for lost is here: no tick has passed. What it reads is of the past
+  // and will be missing in the next reading, so neither says anything.
+  void came_after_all(const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
+
   WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING;
   // The way since the last call, or since reset().
   Travel take_travel() noexcept CARGOBAY_NONBLOCKING;

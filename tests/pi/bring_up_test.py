@@ -33,8 +33,9 @@ OPTIONS = (
 SPEED_MM_S = 200
 # Twice the bound of the deterministic test of a robot that carries the remainder.
 STEADY_ERROR_MM_S = 2 * 1.5
-# A frame whose rest is so late is given up and counted as bad: three ticks without one are not the
-# line's fault, nor the program's, but that of the machine that emulates both.
+# A frame whose rest is so late is given up and counted as bad, and the loop cannot hold a speed by
+# what does not come: three ticks without a frame are not the line's fault, nor the program's, but
+# that of the machine that emulates both.
 DISTURBED_MS = 45
 MOST_DRIVES = 5
 
@@ -85,22 +86,26 @@ def brings_up_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
 
 def drives_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
     print("closed loop at 19200 baud for 10 s")
-    for _ in range(MOST_DRIVES - 1):
+    for drives in range(1, MOST_DRIVES + 1):
         result = drive_at_19200(pi, robot)
-        if result is None or result["frames_bad"] == 0:
-            break
+        if result is None:
+            return
+        bad, errors = result["frames_bad"], result["true_error_mm_s"]
         held_up_ms = result["period_ns"]["max"] / 1e6
-        if held_up_ms < DISTURBED_MS:
+        good = bad == 0 and max(errors) <= STEADY_ERROR_MM_S
+        if good or held_up_ms < DISTURBED_MS or drives == MOST_DRIVES:
             break
-        print(f"  the machine held the Pi up for {held_up_ms:.0f} ms: once more")
-    else:
-        result = drive_at_19200(pi, robot)
-    if result is not None:
-        check(result["frames_bad"] == 0, f"frames bad: {result['frames_bad']}")
+        print(f"  {bad} frames bad, steady error {max(errors):.2f} mm/s; the machine held the Pi up for"
+              f" {held_up_ms:.0f} ms: once more")  # fmt: skip
+    print(f"         the longest wait for a frame: {held_up_ms:.0f} ms")
+    check(bad == 0, f"frames bad: {bad}")
+    for name, error in zip(("left", "right"), errors):
+        check(error <= STEADY_ERROR_MM_S, f"steady error, {name}: {error:.2f} mm/s (true - set)",
+              f"remainder {result['remainder']}, events {result['events']}")  # fmt: skip
 
 
 def drive_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> dict | None:
-    """What the command measured."""
+    """What the command measured, and how far the wheels' true speed was off."""
     robot.tell("place 0 0 0")
     before = robot.state()["counters"]
     pi.start(
@@ -123,9 +128,9 @@ def drive_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> dict | None:
     if code != 0:
         return None
     result = json.loads(text[text.index("\n{") :])
-    for side, name in enumerate(("left", "right")):
-        error = abs(sum(speed[side] for speed in speeds) / len(speeds) - SPEED_MM_S)
-        check(error <= STEADY_ERROR_MM_S, f"steady error, {name}: {error:.2f} mm/s (true - set)")
+    result["true_error_mm_s"] = [
+        abs(sum(speed[side] for speed in speeds) / len(speeds) - SPEED_MM_S) for side in (0, 1)
+    ]
     check(result["frames_good"] > 300, f"frames good: {result['frames_good']}")
     state = robot.state()
     check(state["mode"] == "passive", f"left in mode {state['mode']}")

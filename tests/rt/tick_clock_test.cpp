@@ -318,6 +318,25 @@ TEST(TickClock, SaysWhereItsPhaseWasWrong) {
   EXPECT_TRUE(clock.in_phase()) << "nor is a little early";
 }
 
+TEST(TickClock, KnowsItsPhaseOnceEnoughFramesHaveShownIt) {
+  TickClock clock{kTick};
+  clock.start(kStart + 9ms);
+  (void)clock.arrived(kStart + kTick, 1);
+  for (int tick = 2; tick < 2 + TickClock::kArrivalsToKnow; ++tick) {
+    EXPECT_FALSE(clock.knows_phase()) << tick;
+    (void)clock.arrived(kStart + tick * kTick, 1);
+  }
+  EXPECT_TRUE(clock.knows_phase());
+  (void)clock.arrived(kStart + 20 * kTick + 9ms, 3);
+  EXPECT_TRUE(clock.knows_phase()) << "late frames do not hide it";
+  (void)clock.arrived(kStart + 21 * kTick - 3ms, 1);
+  EXPECT_TRUE(clock.knows_phase());
+  (void)clock.arrived(kStart + 21 * kTick + 5ms, 1);
+  EXPECT_FALSE(clock.knows_phase()) << "too early to have been right";
+  clock.start(kStart);
+  EXPECT_FALSE(clock.knows_phase());
+}
+
 TEST(TickClock, BeginsAnewWhenStartedAgain) {
   TickClock clock{kTick};
   clock.start(kStart);

@@ -173,6 +173,20 @@ TEST_P(WheelEstimatorOfBothKinds, IsNotMisledByLostFrames) {
 
 // A second of frames that never came, half of which had read the counters.
 // The stop came a few ticks before or behind what the estimator takes for its time.
+// Neither from what it reads, which is of the past, nor from the next, which lacks it.
+TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromAFrameThatComesAfterAll) {
+  Drive drive{{.remainder = GetParam()}};
+  drive.run({200, 200}, 400);
+  WheelEstimator estimator = drive.estimator();
+  const double before = estimator.log_odds_carried();
+  estimator.step_lost({200, 200}, true);
+  estimator.came_after_all(WheelEstimator::Reading{.distance_mm = 90});
+  EXPECT_EQ(estimator.log_odds_carried(), before);
+  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 0});
+  EXPECT_EQ(estimator.log_odds_carried(), before);
+  EXPECT_NEAR(estimator.speeds().left_mm_s, drive.estimator().speeds().left_mm_s, 2.0);
+}
+
 TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromACommandOfUnknownTime) {
   Drive drive{{.remainder = GetParam()}};
   drive.run({200.0, -200.0}, 200);

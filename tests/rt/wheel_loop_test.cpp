@@ -143,6 +143,20 @@ TEST(WheelLoop, StartsFromStandingAfterAStop) {
   EXPECT_LT(next.left_mm_s, 150.0);
 }
 
+// Given up, and here a moment later: each tick counts once.
+TEST(WheelLoop, CountsATickOnceWhoseFrameComesAfterAll) {
+  ClosedLoop waited{{}};
+  waited.run({200, 200}, 200);
+  WheelLoop gave_up = waited.loop();
+  gave_up.lost(3, false);
+  gave_up.came_after_all(3);
+  for (int frame = 0; frame < 5; ++frame) {
+    waited.loop().frame({});
+    gave_up.frame({});
+  }
+  EXPECT_EQ(gave_up.estimate(), waited.loop().estimate());
+}
+
 TEST(WheelLoop, SurvivesALongSilence) {
   ClosedLoop closed{{}};
   closed.run({200, 200}, 200);
