@@ -7,6 +7,7 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -222,6 +223,20 @@ Finding kworkers(const fs::path& root, const std::vector<Task>& programs) {
           "run no other real-time program on it, or take a board with more CPUs"};
 }
 
+// Ordinary programs keep the kworkers waiting too, where they want more than all CPUs.
+std::optional<Finding> load(const fs::path& root) {
+  double busy = 0.0;  // programs, on the average of the last minute (proc_loadavg(5))
+  if (!(std::istringstream{contents(root / "proc/loadavg")} >> busy)) return std::nullopt;
+  const int cpus = count_cpus(contents(root / "sys/devices/system/cpu/online"));
+  std::ostringstream what;
+  what << std::fixed << std::setprecision(1) << busy << " busy programs in the last minute, on "
+       << cpus << (cpus == 1 ? " CPU" : " CPUs");
+  if (busy < cpus) return Finding{"load", Verdict::good, what.str()};
+  return Finding{"load", Verdict::advice,
+                 what.str() + ": they keep the kworkers that hand over the port's bytes waiting",
+                 "end what is busy (top shows it), or drive with --boost-kworkers"};
+}
+
 Finding rivals(const Examination& examination, std::vector<Task> programs) {
   std::erase_if(programs, [&](const Task& task) { return task.priority < examination.priority; });
   if (programs.empty())
@@ -318,6 +333,7 @@ std::vector<Finding> examine(const Examination& examination) {
   if (auto finding = deep_sleep(examination, root)) findings.push_back(*finding);
   const std::vector<Task> programs = realtime_programs(root);
   findings.push_back(kworkers(root, programs));
+  if (auto finding = load(root)) findings.push_back(*finding);
   findings.push_back(rivals(examination, programs));
   if (!examination.port.empty())
     std::ranges::copy(port(examination, root), std::back_inserter(findings));

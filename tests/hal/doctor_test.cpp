@@ -32,6 +32,7 @@ class Doctor : public testing::Test {
     write("proc/sys/kernel/sched_rt_period_us", "1000000");
     write("sys/devices/system/cpu/online", "0-3");
     write("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance");
+    write("proc/loadavg", "0.52 2.58 4.59 1/467 1021");
     write("dev/ttyAMA0", "");
   }
   void TearDown() override { std::filesystem::remove_all(root_); }
@@ -140,6 +141,16 @@ TEST_F(Doctor, SeesWhoKeepsTheKworkersWaiting) {
   add_process(8, "modest", 0, 10);
   expect("kworkers", Verdict::advice, "--boost-kworkers");
   EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("modest (10)"));
+}
+
+TEST_F(Doctor, SeesABusyMachine) {
+  EXPECT_THAT(find(examine(), "load").what, HasSubstr("0.5 busy programs"));
+  write("proc/loadavg", "4.00 2.58 1.59 5/467 1021");
+  expect("load", Verdict::advice, "--boost-kworkers");
+  EXPECT_THAT(find(examine(), "load").what,
+              HasSubstr("4.0 busy programs in the last minute, on 4"));
+  std::filesystem::remove(root_ / "proc/loadavg");
+  EXPECT_EQ(find(examine(), "load").what, "not looked at");
 }
 
 TEST_F(Doctor, SeesKworkersThatWereLeftRaised) {

@@ -299,14 +299,14 @@ Misled mislead(sim::Remainder remainder) {
 TEST(LateFrames, DoNotMisleadTheLoopWhereTheRemainderIsCarried) {
   const Misled misled = mislead(sim::Remainder::carried);
   EXPECT_LE(misled.believed_wrong, 7);
-  EXPECT_LE(misled.shared_ticks, 3);
+  EXPECT_LE(misled.shared_ticks, 5);
   EXPECT_LE(misled.steady_error_mm_s, 5.0);
 }
 
 TEST(LateFrames, DoNotMisleadTheLoopWhereTheRemainderIsLost) {
   const Misled misled = mislead(sim::Remainder::lost);
-  EXPECT_EQ(misled.believed_wrong, 0);
-  EXPECT_LE(misled.shared_ticks, 3);
+  EXPECT_LE(misled.believed_wrong, 2);
+  EXPECT_LE(misled.shared_ticks, 5);
   EXPECT_LE(misled.steady_error_mm_s, 10.0);
 }
 
