@@ -228,6 +228,7 @@ std::optional<Finding> load(const fs::path& root) {
   double busy = 0.0;  // programs, on the average of the last minute (proc_loadavg(5))
   if (!(std::istringstream{contents(root / "proc/loadavg")} >> busy)) return std::nullopt;
   const int cpus = count_cpus(contents(root / "sys/devices/system/cpu/online"));
+  if (cpus == 0) return std::nullopt;
   std::ostringstream what;
   what << std::fixed << std::setprecision(1) << busy << " busy programs in the last minute, on "
        << cpus << (cpus == 1 ? " CPU" : " CPUs");

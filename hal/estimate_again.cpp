@@ -71,14 +71,8 @@ class Estimation {
     constexpr std::int64_t kMostSteps = 100;  // as rt::WheelLoop
     for (std::int64_t i = 0; started_ && i < std::min(lost, kMostSteps); ++i)
       estimator_.step_lost(command_, since_read_ <= rt::TickClock::kPatience + 1);
-    std::int64_t counted_before = started_ ? -lost : 0;
-    for (const Reading& reading : readings) {
-      if (counted_before-- > 0) {
-        estimator_.came_after_all(reading);
-      } else {
-        estimator_.step(command_, reading);
-      }
-    }
+    if (started_ && lost < 0) estimator_.came_after_all(static_cast<int>(-lost));
+    for (const Reading& reading : readings) estimator_.step(command_, reading);
     started_ = true;
     ++since_read_;
     tick_ = state.tick;

@@ -67,6 +67,7 @@ void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
   sent_ = {};
   ticks_since_read_ = 0;
   command_unsure_ = 0;
+  gone_through_ = 0;
   reading_unsure_ = true;  // the first reading counts from the robot's last read, whenever that was
   set_log_odds(kInitialLogOdds);
   belief_ = RemainderBelief::unknown;
@@ -104,6 +105,11 @@ void WheelEstimator::predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBL
 
 void WheelEstimator::step(const WheelSpeeds& command,
                           const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING {
+  if (gone_through_ > 0) {
+    --gone_through_;
+    reading_unsure_ = reading_unsure_ || reading.has_value();
+    return;
+  }
   predict(command);
   if (!reading.has_value()) return;
   const bool believed = plausible(*reading);
@@ -147,11 +153,6 @@ void WheelEstimator::step_lost(const WheelSpeeds& command,
                                bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
   predict(command);
   if (may_have_read) reading_unsure_ = true;
-}
-
-void WheelEstimator::came_after_all(const std::optional<Reading>& reading) noexcept
-    CARGOBAY_NONBLOCKING {
-  if (reading.has_value()) reading_unsure_ = true;
 }
 
 void WheelEstimator::weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING {

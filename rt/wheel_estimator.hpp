@@ -63,9 +63,10 @@ class WheelEstimator {
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
   void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
 
-  // A frame whose tick was taken for lost is here: no tick has passed. What it reads is of the past
-  // and will be missing in the next reading, so neither says anything.
-  void came_after_all(const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
+  // So many frames that were taken for lost are here, and next: their ticks have been gone through.
+  // What they read is of the past and will be missing in the reading behind them, so neither says
+  // anything.
+  void came_after_all(int frames) noexcept CARGOBAY_NONBLOCKING { gone_through_ += frames; }
 
   WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING;
   // The way since the last call, or since reset().
@@ -118,6 +119,7 @@ class WheelEstimator {
   int ticks_since_read_ = 0;
   std::uint64_t rejected_ = 0;
   int command_unsure_ = 0;       // for so many ticks more
+  int gone_through_ = 0;         // frames to come whose ticks step_lost() has counted
   bool reading_unsure_ = false;  // a read may have gone unseen: the next says nothing
 };
 

@@ -23,12 +23,7 @@ void WheelLoop::lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKIN
 
 void WheelLoop::frame(const std::optional<WheelEstimator::Reading>& reading) noexcept
     CARGOBAY_NONBLOCKING {
-  if (counted_before_ == 0) {
-    estimator_.step(command_, reading);
-  } else {
-    --counted_before_;
-    estimator_.came_after_all(reading);
-  }
+  estimator_.step(command_, reading);
 }
 
 double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,

@@ -31,8 +31,9 @@ class WheelLoop {
 
   // What one tick brought: call these first, in this order, ...
   void lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
-  // So many that were lost are here: the next frames are of ticks that have been counted.
-  void came_after_all(int ticks) noexcept CARGOBAY_NONBLOCKING { counted_before_ += ticks; }
+  void came_after_all(int frames) noexcept CARGOBAY_NONBLOCKING {
+    estimator_.came_after_all(frames);
+  }
   void doubt_next_reading() noexcept CARGOBAY_NONBLOCKING { estimator_.doubt_next_reading(); }
   void frame(const std::optional<WheelEstimator::Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
   // ... and this once behind them. Returns the command for the wheels, whole mm/s within the
@@ -71,7 +72,6 @@ class WheelLoop {
   Wheel left_;
   Wheel right_;
   WheelSpeeds command_{};
-  int counted_before_ = 0;  // so many of the frames to come are of ticks that were lost()
 };
 
 }  // namespace cargobay::rt

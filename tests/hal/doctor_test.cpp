@@ -149,6 +149,9 @@ TEST_F(Doctor, SeesABusyMachine) {
   expect("load", Verdict::advice, "--boost-kworkers");
   EXPECT_THAT(find(examine(), "load").what,
               HasSubstr("4.0 busy programs in the last minute, on 4"));
+  std::filesystem::remove(root_ / "sys/devices/system/cpu/online");
+  EXPECT_EQ(find(examine(), "load").what, "not looked at");
+  write("sys/devices/system/cpu/online", "0-3");
   std::filesystem::remove(root_ / "proc/loadavg");
   EXPECT_EQ(find(examine(), "load").what, "not looked at");
 }

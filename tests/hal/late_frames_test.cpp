@@ -187,7 +187,7 @@ TEST(LateFrames, NeverGetARobotTwoCommandsInATick) {
     EXPECT_EQ(run.frames.bad, 0U) << seed;
     EXPECT_EQ(run.frames.lost, 0U) << seed;
     EXPECT_GT(run.withheld, 0U) << seed;
-    EXPECT_LT(run.withheld, 400U) << seed;
+    EXPECT_LT(run.withheld, 200U) << seed;
     EXPECT_NEAR(run.truth.left_mm_s, 200.0, 10.0) << seed;
   }
 }

@@ -180,7 +180,8 @@ TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromAFrameThatComesAfterAll) 
   WheelEstimator estimator = drive.estimator();
   const double before = estimator.log_odds_carried();
   estimator.step_lost({200, 200}, true);
-  estimator.came_after_all(WheelEstimator::Reading{.distance_mm = 90});
+  estimator.came_after_all(1);
+  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 90});
   EXPECT_EQ(estimator.log_odds_carried(), before);
   estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 0});
   EXPECT_EQ(estimator.log_odds_carried(), before);
