@@ -19,8 +19,8 @@ class CommandParser {
  public:
   enum class Outcome : std::uint8_t { incomplete, command, unknown_opcode };
 
-  // Longest sequence that is one command to the parser: Song with a length byte of 255.
-  static constexpr std::size_t kMostBytes = 3 + 2 * 255;
+  // Longest sequence that is one command to the parser.
+  static constexpr std::size_t kMostBytes = 1 + kLongestRest;
 
   constexpr Outcome push(std::uint8_t byte) noexcept {
     if (length_ == expected_) return begin(byte);

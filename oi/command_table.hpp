@@ -248,4 +248,15 @@ constexpr std::size_t command_length(const CommandInfo& info, std::span<const st
   return fixed + bytes[fixed - 1] * element_size(info.tail);
 }
 
+// The most bytes that a robot may still wait for after an opcode, by the counts that it believes:
+// all of a Song that says it has 255 notes.
+inline constexpr std::size_t kLongestRest = [] {
+  std::size_t longest = 0;
+  for (const CommandInfo& info : kCommands) {
+    const std::size_t rest = info.argument_bytes() + 255 * element_size(info.tail);
+    longest = rest > longest ? rest : longest;
+  }
+  return longest;
+}();
+
 }  // namespace cargobay::oi
