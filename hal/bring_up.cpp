@@ -11,7 +11,7 @@
 #include "gpio/pulse_train.hpp"
 #include "hal/bring_up_failure.hpp"
 #include "hal/dialogue.hpp"
-#include "hal/leave.hpp"
+#include "hal/farewell.hpp"
 #include "oi/baud.hpp"
 #include "oi/commands.hpp"
 #include "oi/limits.hpp"
@@ -329,7 +329,6 @@ BringUp::Step BringUp::take_mode() {
       // One that streams already may hear nothing else: it takes what comes for data.
       tell("resynchronise", at_baud(wanted_));
       talk_.resynchronise();
-      talk_.resynchronise();  // a Song of 255 notes
       report_.resynchronised = true;
     }
     if (request_.mode == oi::Mode::safe) {
@@ -393,11 +392,11 @@ Failure BringUp::failure() {
                      .pulses_played = report_.brc.count > 0,
                      .toggled = toggles_ > 0,
                      .pin_error = pin_error_};
-  if (!talk_.hung_up()) {
-    if (trouble_ == BringUpTrouble::keeps_its_rate) set_port(report_.found_baud);
-    (void)leave(stream_);  // the failure at hand is the one to report
-    set_port(wanted_);
-  }
+  if (trouble_ == BringUpTrouble::keeps_its_rate) set_port(report_.found_baud);
+  const Parting left =
+      farewell(stream_);  // one call that failed does not say that the port is gone
+  if (request_.left != nullptr) *request_.left = left;
+  set_port(wanted_);
   return explain(why);
 }
 
@@ -416,6 +415,7 @@ Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
 }  // namespace
 
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request) {
+  if (request.left != nullptr) *request.left = Parting::standing;  // as it was: nothing is sent yet
   if (stream.baud() == kTooFast) {
     return Failure{
         "at 115200 baud the robot drops bytes that follow within 200 us, and a command is sent "

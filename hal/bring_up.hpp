@@ -13,6 +13,7 @@
 #include "gpio/pin.hpp"
 #include "gpio/pulse_player.hpp"
 #include "hal/byte_stream.hpp"
+#include "hal/farewell.hpp"
 #include "hal/result.hpp"
 #include "oi/command_table.hpp"
 #include "oi/commands.hpp"
@@ -41,6 +42,8 @@ struct BringUpRequest {
   std::function<void(const BringUpEvent&)> progress{};
   // Asked every 20 ms: true ends the bring-up. May be empty.
   std::function<bool()> cancelled{};
+  // Set by a failure: what became of the robot. May be null.
+  Parting* left = nullptr;
 };
 
 enum class RateChange : std::uint8_t { none, brc, command };

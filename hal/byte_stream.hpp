@@ -40,6 +40,10 @@ class ByteStream {
   // Queues all of `bytes` or, where the queue is full, the first of them; does not block.
   virtual Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING = 0;
   virtual rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING = 0;
+  // Whether what is written still goes to the port that was opened: a program may close the
+  // descriptors of its libraries, and open files under the same numbers. One system call, for
+  // writes that do not answer a frame that was just read from the port.
+  virtual bool still_open() const noexcept CARGOBAY_NONBLOCKING { return true; }
 
   // The terminal that the bytes go through, for a guard to share (hal/guard.hpp); -1 where there is
   // none.
@@ -59,6 +63,8 @@ class ByteStream {
   virtual void discard_input() = 0;
   // Blocks until all that was written has left, or `timeout` has passed (false).
   [[nodiscard]] virtual bool drain(rt::Duration timeout) = 0;
+  // Lets so much of this stream's time pass; what arrives meanwhile stays.
+  virtual void sleep(rt::Duration duration) = 0;
 };
 
 }  // namespace cargobay::hal

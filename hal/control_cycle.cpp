@@ -101,15 +101,19 @@ ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   const ByteStream::Wait woken = stream_.wait(wake_time());
   const rt::TimePoint now = stream_.now();
   woken_ = now;
-  if (!guard_.beat(now)) return end(CycleEnd::guarded);
+  switch (guard_.beat(now)) {
+    case GuardMark::Robot::ours: break;
+    case GuardMark::Robot::taken: return end(CycleEnd::guarded);
+    case GuardMark::Robot::unguarded: return end(CycleEnd::guard_lost);
+  }
   const rt::Duration announced =
       announced_silence_.exchange(kNoneAnnounced, std::memory_order_relaxed);
   if (announced != kNoneAnnounced) expected_until_ = now + announced;
-  if (woken == ByteStream::Wait::hung_up) return end(CycleEnd::hung_up);
+  if (woken == ByteStream::Wait::hung_up) return hung_up(0);
 
   // Also after a time-out: fewer bytes than a frame may be there, and must not stay behind.
   const ByteStream::Transfer transfer = stream_.read(received_);
-  if (transfer.error != 0) return end(CycleEnd::hung_up);
+  if (transfer.error != 0) return hung_up(transfer.error);
   if (transfer.count > 0) last_bytes_ = now;
   decode({received_.data(), transfer.count});
   if (readings_.empty() && now - last_bytes_ >= kQuietTicks * tick_) give_up_open_frame();
@@ -123,6 +127,11 @@ rt::TimePoint ControlCycle::wake_time() const noexcept CARGOBAY_NONBLOCKING {
   const oi::StreamDecoder::Counters& bytes = decoder_.counters();
   const bool whole = bytes.framed + bytes.skipped == bytes.bytes;
   return whole ? deadline_ : std::min(deadline_, stream_.now() + frame_time_ + kHandOver);
+}
+
+ControlCycle::Step ControlCycle::hung_up(int error) noexcept CARGOBAY_NONBLOCKING {
+  port_error_ = stream_.still_open() ? error : EBADF;
+  return end(CycleEnd::hung_up);
 }
 
 ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
@@ -195,7 +204,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   const rt::TimePoint written = stream_.now();
   if (written - decided > kOwnWork) ++overruns_.write;
   frame_to_command_ns_.record(static_cast<std::uint64_t>((written - state.arrival).count()));
-  if (sent == Sent::failed) return end(CycleEnd::hung_up);
+  if (sent == Sent::failed) return hung_up(port_error_);
   if (sent != Sent::whole) {
     ++(sent == Sent::withheld ? withheld_ : unsent_);
     loop_.not_sent(acting_);
@@ -221,7 +230,7 @@ ControlCycle::Step ControlCycle::hold() noexcept CARGOBAY_NONBLOCKING {
   outgoing_.add_fill(fill());
   add_list(list);
   add_command();
-  return write_out() == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
+  return write_out(woken_) == Sent::failed ? hung_up(port_error_) : Step::on;
 }
 
 FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
@@ -308,7 +317,7 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   const Sent sent = send({}, list_, now);
   stop_owed_ = sent == Sent::not_whole;
   if (stop_owed_) ++unsent_;
-  return sent == Sent::failed ? end(CycleEnd::hung_up) : Step::on;
+  return sent == Sent::failed ? hung_up(port_error_) : Step::on;
 }
 
 // Whole means that this very command was.
@@ -325,7 +334,7 @@ ControlCycle::Sent ControlCycle::send(const rt::WheelSpeeds& command, FrameList 
     add_list(list);
     add_command();
   }
-  const Sent sent = write_out();
+  const Sent sent = write_out(now);
   return only_rest && sent == Sent::whole ? Sent::withheld : sent;
 }
 
@@ -345,13 +354,19 @@ void ControlCycle::add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING {
   if (list != list_ || again) outgoing_.add_list(list);
 }
 
-// Gives the port what is outgoing, in one write.
-ControlCycle::Sent ControlCycle::write_out() noexcept CARGOBAY_NONBLOCKING {
+// Gives the port what is outgoing, in one write. That it still is the port needs no look where a
+// whole frame, checksum and all, was just read from the same descriptor: nothing else sends those.
+ControlCycle::Sent ControlCycle::write_out(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
   if (outgoing_.empty()) return Sent::whole;
+  const bool proven = !readings_.empty() && now - woken_ <= kOwnWork;
+  if (!proven && !stream_.still_open()) return Sent::failed;
   // The next pass ends the cycle.
   if (!guard_.begin_write(outgoing_.bytes().size())) return Sent::withheld;
   const ByteStream::Transfer transfer = stream_.write(outgoing_.bytes());
-  if (transfer.error != 0 && transfer.error != EAGAIN) return Sent::failed;
+  if (transfer.error != 0 && transfer.error != EAGAIN) {
+    port_error_ = transfer.error;
+    return Sent::failed;
+  }
   const Outgoing::Taken taken = outgoing_.took(transfer.count);
   if (outgoing_.empty()) guard_.end_write();
   if (taken.fill) {
@@ -369,11 +384,11 @@ ControlCycle::Sent ControlCycle::write_out() noexcept CARGOBAY_NONBLOCKING {
 }
 
 void ControlCycle::stop_wheels() noexcept CARGOBAY_NONBLOCKING {
-  if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;
+  if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;  // farewell() tries
   // In Passive it would not obey, and was reported to spoil the next start.
   const bool obeys = mode_watch_.mode() == oi::Mode::safe || mode_watch_.mode() == oi::Mode::full;
   if (mode_watch_.state() != ModeWatch::State::driving && !obeys) return;
-  (void)send({}, list_, stream_.now());  // what fails here, leave() tries again
+  (void)send({}, list_, stream_.now());  // what fails here, farewell() tries again
 }
 
 }  // namespace cargobay::hal

@@ -41,9 +41,10 @@ enum class CycleEnd : std::uint8_t {
   asked,            // request_stop()
   link_lost,        // no frame for longer than link_timeout
   mode_lost,        // the robot left the mode it was driven in: mode_loss_causes()
-  hung_up,          // the port is gone, or takes nothing any more
+  hung_up,          // a call on the port failed: it is gone, or no longer ours: port_error()
   guarded,          // the cycle stood still for so long that its guard stopped the robot
   control_overrun,  // the control function was over its budget too many times in a row
+  guard_lost,       // the guard is dead or suspended, and nobody would stop the robot in our place
 };
 
 // What the cycle does when the robot has left its mode by itself, and the cause has been told.
@@ -221,6 +222,11 @@ class ControlCycle {
   const PhaseOverruns& overruns() const { return overruns_; }
   // Answers of the control function that no robot can follow.
   std::uint64_t refused_controls() const { return refused_; }
+  // Bytes of a command that the robot has got the beginning of.
+  std::size_t owed_bytes() const { return outgoing_.bytes().size(); }
+  // The errno of what failed where the port hung up; EBADF where the descriptor is no longer the
+  // port's; 0 where nothing said more.
+  int port_error() const { return port_error_; }
   // Why the mode was lost, the last time that it was; none where no sensor said.
   Hazards mode_loss_causes() const { return mode_loss_causes_; }
 
@@ -271,7 +277,8 @@ class ControlCycle {
   rt::Duration fill_time(std::size_t zeros) const noexcept CARGOBAY_NONBLOCKING {
     return static_cast<std::int64_t>(zeros) * byte_time_;
   }
-  Sent write_out() noexcept CARGOBAY_NONBLOCKING;
+  Sent write_out(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
+  Step hung_up(int error) noexcept CARGOBAY_NONBLOCKING;
   void stop_wheels() noexcept CARGOBAY_NONBLOCKING;
   rt::WheelSpeeds wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
   rt::WheelSpeeds ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
@@ -335,6 +342,7 @@ class ControlCycle {
   PowerWatch power_;
   Hazards mode_loss_causes_{};
   CycleEnd end_ = CycleEnd::asked;
+  int port_error_ = 0;
 
   FrameCounters frames_{};
   std::uint64_t unsent_ = 0;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "oi/limits.hpp"
+#include "hal/farewell.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -12,7 +12,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kSlice{20};  // at most so long until a cancellation is noticed
-constexpr std::uint32_t kSpacedBaud = 115200;
 constexpr milliseconds kSettle{50};
 constexpr std::size_t kLongestLine = 60;
 constexpr std::size_t kLeastLine = 4;  // characters that are not damage by chance
@@ -32,22 +31,9 @@ bool carries(std::span<const std::uint8_t> frame, const oi::StreamList& packets)
 
 }  // namespace
 
-void Dialogue::send_bytes(std::span<const std::uint8_t> bytes) {
-  if (stream_.baud() < kSpacedBaud) {
-    (void)stream_.write(bytes);  // as said in the header
-    return;
-  }
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    (void)stream_.write(bytes.subspan(i, 1));
-    if (!pause(2 * oi::kByteSpacingAt115200)) return;
-  }
-}
-
 void Dialogue::resynchronise() {
-  std::array<std::uint8_t, kResynchronisingBytes> starts{};
-  starts.fill(oi::Start::kOpcode);
-  send_bytes(starts);
-  pause(oi::wire_time(kResynchronisingBytes, stream_.baud()) + kSettle);
+  (void)complete_command(stream_, oi::kLongestRest);  // as send()
+  pause(oi::wire_time(oi::kLongestRest, stream_.baud()) + kSettle);
 }
 
 std::span<const std::uint8_t> Dialogue::take(TimePoint deadline) {

@@ -10,6 +10,7 @@
 
 #include "gpio/pulse_player.hpp"
 #include "hal/byte_stream.hpp"
+#include "hal/write_all.hpp"
 #include "oi/command_table.hpp"
 #include "oi/commands.hpp"
 #include "oi/encode.hpp"
@@ -36,24 +37,19 @@ struct FramesHeard {
   std::int32_t battery_mv = 0;    // where the list has it
 };
 
-// The longest command that may have been cut short: Query List with all 255 packets it can name, as
-// a robot may have understood what was sent at another rate. A Song of 255 notes takes two of them.
-inline constexpr std::size_t kResynchronisingBytes = 2 + 255 + 1;
-
 class Dialogue final : public gpio::PulseClock {
  public:
   // The stream outlives it. `cancelled` is asked every 20 ms; empty: never cancelled.
   Dialogue(ByteStream& stream, std::function<bool()> cancelled)
       : stream_{stream}, cancelled_{std::move(cancelled)} {}
 
-  // At 115200 baud each byte keeps its distance. What the port does not take is lost: an unanswered
-  // command is noticed by its silence.
+  // By write_all(). What the port does not take is lost: an unanswered command is noticed by its
+  // silence.
   template <typename Command>
   void send(const Command& command) {
-    if (const auto bytes = oi::encode(command)) send_bytes(*bytes);
+    if (const auto bytes = oi::encode(command)) (void)write_all(stream_, *bytes);
   }
-  void send_bytes(std::span<const std::uint8_t> bytes);
-  // Fills up any command that was cut short, with bytes that are harmless as data and as commands.
+  // Completes any command that was cut short, and waits until that is through.
   void resynchronise();
 
   // Takes what comes, until then. False where the dialogue is over.

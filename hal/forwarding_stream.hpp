@@ -21,6 +21,7 @@ class ForwardingStream : public ByteStream {
     return stream_.write(bytes);
   }
   rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_.now(); }
+  bool still_open() const noexcept CARGOBAY_NONBLOCKING override { return stream_.still_open(); }
 
   Terminal terminal() const override { return stream_.terminal(); }
   std::uint32_t baud() const override { return stream_.baud(); }
@@ -30,6 +31,7 @@ class ForwardingStream : public ByteStream {
   }
   void discard_input() override { stream_.discard_input(); }
   bool drain(rt::Duration timeout) override { return stream_.drain(timeout); }
+  void sleep(rt::Duration duration) override { stream_.sleep(duration); }
 
  protected:
   ByteStream& stream() { return stream_; }

@@ -10,23 +10,24 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <ctime>
-#include <filesystem>
 #include <new>
 #include <utility>
 
+#include "hal/guard_program.hpp"
+#include "hal/port_descriptor.hpp"
 #include "hal/port_lock.hpp"
 
 namespace cargobay::hal {
 namespace {
 
-namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-constexpr const char* kProgram = "cargobay-guard";
 constexpr milliseconds kReadyTimeout{2000};
+// What it does when it is released, and what it does with a robot that does not answer.
 constexpr milliseconds kEndTimeout{1000};
+constexpr milliseconds kFarewellTimeout{4000};
+constexpr milliseconds kSilence{500};  // a guard that does not beat for so long will not end either
 constexpr milliseconds kNap{1};
 constexpr int kAboveTheLoop = 10;
 constexpr int kMostPriority = 98;  // 99 is for those without whom the kernel stands still
@@ -36,35 +37,20 @@ void nap() {
   nanosleep(&pause, nullptr);
 }
 
-bool may_run(const fs::path& path) { return access(path.c_str(), X_OK) == 0; }
-
-// Empty where there is none.
-std::string find_program(const std::string& wanted) {
-  if (!wanted.empty()) return wanted;
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): of those that only read
-  const char* const named = std::getenv("CARGOBAY_GUARD");
-  if (named != nullptr && *named != '\0') return named;
-  std::error_code error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const fs::path& path :
-       {folder / kProgram, folder / ".." / kProgram, fs::path{CARGOBAY_GUARD_INSTALLED}}) {
-    if (may_run(path)) return path.string();
-  }
-  return "";
-}
-
 Failure no_guard(const std::string& why) {
   return {
       "the robot would have no guard, and its wheels would go on turning if this program died: " +
       why};
 }
 
-void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& options, int priority) {
+void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& options, int priority,
+             std::uint32_t baud) {
   block.owner = getpid();
   block.priority = priority > 0 ? std::min(priority + kAboveTheLoop, kMostPriority) : 0;
   block.deadline_ns = options.deadline.count();
   block.found = lock.found();
   block.found_baud = lock.found_speed().value_or(0);
+  block.wanted_baud = baud;
   pthread_mutexattr_t attributes;
   pthread_mutexattr_init(&attributes);
   pthread_mutexattr_setpshared(&attributes, PTHREAD_PROCESS_SHARED);
@@ -73,7 +59,8 @@ void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& option
   pthread_mutexattr_destroy(&attributes);
 }
 
-// Returns an errno. The child's descriptors are those of the block and of the port alone.
+// Returns an errno. The child's descriptors are those of the block and of the port alone: it keeps
+// neither the user's terminal nor a pipe of theirs open.
 int spawn(const std::string& program, int port, int block, pid_t& process) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -81,6 +68,8 @@ int spawn(const std::string& program, int port, int block, pid_t& process) {
   posix_spawnattr_init(&attributes);
   posix_spawn_file_actions_adddup2(&files, port, GuardBlock::kPort);
   posix_spawn_file_actions_adddup2(&files, block, GuardBlock::kBlock);
+  for (const int number : {0, 1, 2})
+    posix_spawn_file_actions_addopen(&files, number, "/dev/null", O_RDWR, 0);
   posix_spawn_file_actions_addclosefrom_np(&files, GuardBlock::kBlock + 1);
   sigset_t all;
   sigfillset(&all);
@@ -98,15 +87,15 @@ int spawn(const std::string& program, int port, int block, pid_t& process) {
 }  // namespace
 
 Result<std::unique_ptr<Guard>> Guard::start(const ByteStream::Terminal& terminal,
-                                            const GuardOptions& options, int priority) {
-  const std::string program = find_program(options.program);
-  if (program.empty()) {
-    return no_guard(std::string{"there is no "} + kProgram +
-                    "; install it, or name it in CARGOBAY_GUARD");
-  }
+                                            const GuardOptions& options, int priority,
+                                            std::uint32_t baud) {
+  const auto found = guard_program(options.program);
+  if (!found) return no_guard(found.failure().message);
+  const std::string& program = *found;
+  const StandardNumbersTaken taken;
   // Above the numbers that the child gives them, so that neither overwrites the other.
   constexpr int kHigh = 16;
-  const int shared = memfd_create(kProgram, MFD_CLOEXEC);
+  const int shared = memfd_create("cargobay-guard", MFD_CLOEXEC);
   const int block_file = shared < 0 ? -1 : fcntl(shared, F_DUPFD_CLOEXEC, kHigh);
   const int port = fcntl(terminal.descriptor, F_DUPFD_CLOEXEC, kHigh);
   const auto close_all = [&] {
@@ -123,8 +112,9 @@ Result<std::unique_ptr<Guard>> Guard::start(const ByteStream::Terminal& terminal
     close_all();
     return no_guard(error.message());
   }
+  (void)madvise(memory, sizeof(GuardBlock), MADV_DONTFORK);  // a child has no business with it
   std::unique_ptr<Guard> guard{new Guard{new (memory) GuardBlock}};
-  prepare(*guard->block_, *terminal.lock, options, priority);
+  prepare(*guard->block_, *terminal.lock, options, priority, baud);
   const int error = spawn(program, port, block_file, guard->process_);
   close_all();
   if (error != 0) {
@@ -153,12 +143,14 @@ bool Guard::wait_until_ready() const {
 
 void Guard::begin_driving() {
   pthread_mutex_lock(&block_->alive);
+  block_->driven.store(true, std::memory_order_relaxed);
   block_->beat_ns.store(rt::nanoseconds(rt::Clock::now()), std::memory_order_relaxed);
   GuardState expected = GuardState::standing_by;
   // The guard may have taken it from an owner that it found dead.
   block_->state.compare_exchange_strong(expected, GuardState::driving);
 }
 
+// A robot whose guard was lost is being left already.
 void Guard::end_driving() {
   GuardState expected = GuardState::driving;
   block_->state.compare_exchange_strong(expected, GuardState::leaving);
@@ -167,27 +159,40 @@ void Guard::end_driving() {
 
 bool Guard::took_robot() {
   if (block_->state.load(std::memory_order_acquire) != GuardState::taken) return false;
-  collect();
+  collect(kFarewellTimeout);
   return true;
 }
 
-bool Guard::confirmed_passive() const {
-  return block_->confirmed_passive.load(std::memory_order_acquire);
+Parting Guard::hand_over() {
+  GuardState expected = block_->state.load(std::memory_order_acquire);
+  while (expected != GuardState::taken &&
+         !block_->state.compare_exchange_weak(expected, GuardState::handed_over)) {
+  }
+  collect(kFarewellTimeout);
+  return parting();
 }
+
+Parting Guard::parting() const { return block_->parting.load(std::memory_order_acquire); }
 
 void Guard::release() {
   GuardState expected = block_->state.load(std::memory_order_acquire);
   while (expected != GuardState::taken &&
          !block_->state.compare_exchange_weak(expected, GuardState::released)) {
   }
-  collect();
+  collect(expected == GuardState::taken ? kFarewellTimeout : rt::Duration{kEndTimeout});
 }
 
-// It looks at its state every 20 ms; one that does not end is killed.
-void Guard::collect() {
-  const rt::TimePoint limit = rt::Clock::now() + kEndTimeout;
+bool Guard::beats() const {
+  const rt::TimePoint beat{rt::Duration{block_->guard_beat_ns.load(std::memory_order_relaxed)}};
+  return rt::Clock::now() < beat + kSilence;
+}
+
+// It looks at its state every 20 ms, and beats while it stops a robot too. One that does not end,
+// or does not beat, is killed.
+void Guard::collect(rt::Duration patience) {
+  const rt::TimePoint limit = rt::Clock::now() + patience;
   while (process_ > 0 && alive()) {
-    if (rt::Clock::now() >= limit) kill(process_, SIGKILL);
+    if (rt::Clock::now() >= limit || !beats()) kill(process_, SIGKILL);
     nap();
   }
   // Somebody who collects all children may have been faster.

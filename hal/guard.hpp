@@ -1,7 +1,9 @@
-// A small process of its own that has the port's last word. Where the thread that drives dies, by
-// whatever cause, or gives no sign of life for too long, the guard completes a half-sent command,
-// stops the wheels and makes the robot Passive. It acts once, and never while the thread beats;
-// from then on nothing of the thread reaches the robot.
+// A small process of its own that has the port's last word. It begins before the first byte of a
+// bring-up, and ends when the robot was seen Passive or off, or when the port is gone for its own
+// descriptor too. If the program or the thread that drives dies or hangs, or if the robot did not
+// confirm to them that it is Passive, the guard completes a half-sent command, stops the wheels and
+// makes the robot Passive. It acts once, and never while the thread beats; from then on nothing of
+// the thread reaches the robot. The thread in turn watches the guard (hal/guard_mark.hpp).
 //
 // The process is `cargobay-guard`. No signal handler is installed here, and no thread started; the
 // guard is a child of this process, which collects it in release(). It is its own session, ignores
@@ -16,6 +18,7 @@
 #include <string>
 
 #include "hal/byte_stream.hpp"
+#include "hal/farewell.hpp"
 #include "hal/guard_block.hpp"
 #include "hal/guard_mark.hpp"
 #include "hal/result.hpp"
@@ -29,9 +32,7 @@ struct GuardOptions {
   // Without a sign of life for so long the thread is taken for hung; 40 ms at least, since the loop
   // itself wakes every 15 to 20 ms. As long as the loop waits for a silent robot, by default.
   rt::Duration deadline = std::chrono::milliseconds{150};
-  // The program; where empty $CARGOBAY_GUARD, or `cargobay-guard` beside the running program, in
-  // the folder above it, or where it is installed.
-  std::string program{};
+  std::string program{};  // as for guard_program() (hal/guard_program.hpp)
 };
 
 class Guard {
@@ -40,9 +41,10 @@ class Guard {
 
   // Starts the process over the stream's terminal, which outlives the guard, and waits until it is
   // ready: some ms, 2 s at most. `priority` is the control thread's SCHED_FIFO priority, 0 where it
-  // has none. Allocates.
+  // has none. `baud` is the rate that the bring-up brings the robot to. Allocates.
   static Result<std::unique_ptr<Guard>> start(const ByteStream::Terminal& terminal,
-                                              const GuardOptions& options, int priority);
+                                              const GuardOptions& options, int priority,
+                                              std::uint32_t baud);
   // Releases.
   ~Guard();
   Guard(const Guard&) = delete;
@@ -52,13 +54,20 @@ class Guard {
   // thread.
   void begin_driving();
   void end_driving();
-  GuardMark mark() { return GuardMark{*block_}; }
+  GuardMark mark() { return GuardMark{*block_, process_}; }
 
-  // For the owner, once the thread has ended. Whether the guard took the robot; waits until it has
-  // finished with it, 1 s at most.
+  // The robot is told to run a demo: to be aborted in the end.
+  void expect_demo() { block_->demo.store(true, std::memory_order_release); }
+
+  // For the owner, once the thread has ended, or was given up. Whether the guard took the robot;
+  // waits until it has finished with it, 4 s at most.
   [[nodiscard]] bool took_robot();
-  bool confirmed_passive() const;
-  // The robot was left in Passive: the guard ends, and is collected.
+  // The robot did not confirm: the guard is to stop it, now. Waits for that, 4 s at most. After it
+  // this process sends nothing.
+  Parting hand_over();
+  // What came of it.
+  Parting parting() const;
+  // The robot stands: the guard ends, and is collected.
   void release();
 
   // Whether the process is there. From any thread; one system call.
@@ -67,9 +76,10 @@ class Guard {
  private:
   explicit Guard(GuardBlock* block) : block_{block} {}
   bool wait_until_ready() const;
-  void collect();
+  bool beats() const;
+  void collect(rt::Duration patience);
 
-  GuardBlock* block_;  // a mapping of its own
+  GuardBlock* block_;  // a mapping of its own, which forked children do not get
   pid_t process_ = -1;
 };
 

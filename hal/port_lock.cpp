@@ -39,45 +39,48 @@ Failure cannot_open(const std::string& path, int error) {
 }
 
 Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
+  const StandardNumbersTaken taken;
   const int descriptor = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return cannot_open(path, errno);
-  std::unique_ptr<PortLock> lock{new PortLock{descriptor}};
-  if (isatty(descriptor) == 0) return cannot_open(path, ENOTTY);
+  std::unique_ptr<PortLock> lock{new PortLock{PortDescriptor::adopt(descriptor)}};
+  if (isatty(lock->descriptor()) == 0) return cannot_open(path, ENOTTY);
   if (const int error = lock->lock(); error != 0) return cannot_open(path, error);
   return lock;
 }
 
 int PortLock::lock() {
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) return EBUSY;
-  if (tcgetattr(descriptor_, &found_) != 0) return errno;
-  found_speed_ = tty_speed(descriptor_);
+  const int port = descriptor();
+  if (flock(port, LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  if (tcgetattr(port, &found_) != 0) return errno;
+  found_speed_ = tty_speed(port);
   ours_ = true;
-  ioctl(descriptor_, TIOCEXCL);
+  ioctl(port, TIOCEXCL);
   return 0;
 }
 
 void PortLock::let_go() const {
-  ioctl(descriptor_, TIOCNXCL);
-  flock(descriptor_, LOCK_UN);
+  ioctl(descriptor(), TIOCNXCL);
+  flock(descriptor(), LOCK_UN);
 }
 
-int PortLock::hand_over(int descriptor) const {
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return EBUSY;
-  ioctl(descriptor, TIOCEXCL);
+int PortLock::hand_over(int descriptor) {
+  PortDescriptor other = PortDescriptor::duplicate(descriptor);
+  if (other.number() < 0) return errno;
+  if (flock(other.number(), LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  ioctl(other.number(), TIOCEXCL);
+  descriptor_ = std::move(other);
   return 0;
 }
 
 // Somebody's own terminal, named by mistake, is one that can be typed on again.
 PortLock::~PortLock() {
-  if (ours_) {
-    tcsetattr(descriptor_, TCSANOW, &found_);
-    // A rate without a constant of its own is not in termios.
-    if (found_speed_.has_value() && tty_speed(descriptor_) != found_speed_) {
-      (void)set_tty_speed(descriptor_, *found_speed_);  // nobody is left to be told
-    }
-    let_go();
+  if (!ours_ || !still_open()) return;
+  tcsetattr(descriptor(), TCSANOW, &found_);
+  // A rate without a constant of its own is not in termios.
+  if (found_speed_.has_value() && tty_speed(descriptor()) != found_speed_) {
+    (void)set_tty_speed(descriptor(), *found_speed_);  // nobody is left to be told
   }
-  close(descriptor_);
+  let_go();
 }
 
 }  // namespace cargobay::hal

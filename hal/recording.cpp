@@ -117,7 +117,7 @@ bool EntryReader::take(Entry& entry) {
     case EntryKind::read: return take_read(in_, entry);
     case EntryKind::wrote: return take_wrote(in_, entry);
     case EntryKind::state: return take_state(entry.state);
-    case EntryKind::ended: return in_.take(entry.end, CycleEnd::control_overrun);
+    case EntryKind::ended: return in_.take(entry.end, CycleEnd::guard_lost);
     case EntryKind::asked: return take_request(in_, entry.request);
   }
   return false;

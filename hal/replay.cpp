@@ -181,7 +181,7 @@ class ReplayStream final : public ByteStream {
   void attach(ControlCycle& cycle) {
     cycle_ = &cycle;
     guard_.state.store(GuardState::driving);
-    cycle.set_guard(GuardMark{guard_});
+    cycle.set_guard(GuardMark{guard_, 0});
   }
 
   Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
@@ -190,6 +190,7 @@ class ReplayStream final : public ByteStream {
       if (!script_.take(EntryKind::waited, entry)) return Wait::hung_up;
       if (script_.ends_here(CycleEnd::asked)) cycle_->request_stop();
       if (script_.ends_here(CycleEnd::guarded)) guard_.state.store(GuardState::taken);
+      if (script_.ends_here(CycleEnd::guard_lost)) guard_.state.store(GuardState::guard_lost);
       // A silence that it survived had been announced.
       cycle_->expect_silence(script_.ends_here(CycleEnd::link_lost) ? rt::Duration::zero()
                                                                     : std::chrono::hours{1});
@@ -228,6 +229,7 @@ class ReplayStream final : public ByteStream {
   std::error_code set_wake_threshold(std::size_t /*bytes*/) override { return {}; }
   void discard_input() override {}
   bool drain(rt::Duration /*timeout*/) override { return true; }
+  void sleep(rt::Duration /*duration*/) override {}
 
  private:
   Script& script_;  // outlives it

@@ -1,9 +1,10 @@
 #include "hal/robot.hpp"
 
+#include <cerrno>
 #include <chrono>
+#include <string>
 #include <utility>
 
-#include "hal/leave.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -24,6 +25,10 @@ Failure refused(const rt::RealtimeGrant& grant) {
   return {std::move(message), std::make_error_code(std::errc::operation_not_permitted)};
 }
 
+constexpr const char* kGuardLost = "the guard process died or was suspended";
+constexpr const char* kGuardRemedy =
+    "find out who did that (dmesg tells of memory running out), then start again";
+
 // A robot that was lifted sees cliffs as well.
 std::string remedy(Hazards causes) {
   if (causes.has(Hazard::wheel_drop_left) || causes.has(Hazard::wheel_drop_right) ||
@@ -35,29 +40,39 @@ std::string remedy(Hazards causes) {
 
 }  // namespace
 
-Robot::Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
-             const BringUpReport& report)
+Robot::Robot(std::unique_ptr<ByteStream> stream, std::unique_ptr<Duty> duty,
+             const RobotOptions& options, const BringUpReport& report)
     : stream_{std::move(stream)},
       options_{options},
       report_{report},
       recorder_{options.recorder_bytes},
-      recorded_{*stream_, recorder_} {
+      recorded_{*stream_, recorder_},
+      duty_{std::move(duty)} {
   options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
   cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);
   cycle_->set_observer(observer());
+  if (Guard* const guard = duty_->guard()) cycle_->set_guard(guard->mark());
 }
 
 Robot::~Robot() { (void)stop(); }
 
 Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
                                            const RobotOptions& options) {
+  auto duty = Duty::begin(*stream, options.guard, options.realtime.priority);
+  if (!duty) return duty.failure();
+  Parting left = Parting::unconfirmed;
   const auto report = bring_up(*stream, {.mode = options.cycle.drive_mode,
                                          .packets = kReadingList,
                                          .pins = options.pins,
                                          .progress = options.progress,
-                                         .cancelled = options.cancelled});
-  if (!report) return report.failure();
-  std::unique_ptr<Robot> robot{new Robot{std::move(stream), options, *report}};
+                                         .cancelled = options.cancelled,
+                                         .left = &left});
+  if (!report) {
+    Failure failure = report.failure();
+    failure.message += fate((*duty)->discharge_after(left));
+    return failure;
+  }
+  std::unique_ptr<Robot> robot{new Robot{std::move(stream), std::move(*duty), options, *report}};
   if (const std::error_code error = robot->stream_->set_wake_threshold(kFrameBytes); error) {
     return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
   }
@@ -66,14 +81,14 @@ Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
 
 Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   cycle_->set_control(control);
-  if (const auto failure = start_guard()) {
+  if (duty_->guard() != nullptr && !duty_->guard()->alive()) {
     (void)stop();  // the failure is what matters
-    return *failure;
+    return Failure{std::string{kGuardLost} + ", and the robot was not driven; " + kGuardRemedy};
   }
   // The thread waits for the verdict: without the rights required the robot never moves.
   rt::RealtimeGrant grant = thread_.start(options_.realtime, [this] {
-    verdict_.wait(Verdict::pending, std::memory_order_acquire);
-    if (verdict_.load(std::memory_order_acquire) == Verdict::run) run();
+    permission_.wait(Permission::pending, std::memory_order_acquire);
+    if (permission_.load(std::memory_order_acquire) == Permission::run) run();
     ended_.store(true, std::memory_order_release);
     doorbell_.ring();
   });
@@ -81,8 +96,8 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
     return Failure{"cannot start the control thread: " + rt::explain(grant.refusals.back())};
   }
   const bool refuse = options_.require_realtime && !grant.complete();
-  verdict_.store(refuse ? Verdict::refused : Verdict::run, std::memory_order_release);
-  verdict_.notify_one();
+  permission_.store(refuse ? Permission::refused : Permission::run, std::memory_order_release);
+  permission_.notify_one();
   if (refuse) {
     (void)stop();  // the refusal is what matters
     return refused(grant);
@@ -90,21 +105,28 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   return grant;
 }
 
-std::optional<Failure> Robot::start_guard() {
-  const ByteStream::Terminal terminal = stream_->terminal();
-  if (terminal.descriptor < 0 || options_.guard.use == GuardOptions::Use::none) return std::nullopt;
-  auto guard = Guard::start(terminal, options_.guard, options_.realtime.priority);
-  if (!guard) return guard.failure();
-  guard_ = std::move(*guard);
-  cycle_->set_guard(guard_->mark());
-  return std::nullopt;
+// On the control thread. The robot is left before anybody asks what became of it: the program may
+// not look for a long time.
+void Robot::run() {
+  Guard* const guard = duty_->guard();
+  if (guard != nullptr) guard->begin_driving();
+  note_end(cycle_->run());
+  if (guard != nullptr) guard->end_driving();
+  ended_.store(true, std::memory_order_release);
+  doorbell_.ring();
+  leave();
 }
 
-// On the control thread.
-void Robot::run() {
-  if (guard_) guard_->begin_driving();
-  note_end(cycle_->run());
-  if (guard_) guard_->end_driving();
+void Robot::leave() {
+  if (std::exchange(left_, true)) return;
+  Guard* const guard = duty_->guard();
+  if (guard != nullptr && guard->took_robot())
+    cycle_end_.store(CycleEnd::guarded, std::memory_order_relaxed);
+  // One farewell is enough for a robot that was silent for a second.
+  const bool silent = cycle_end_.load(std::memory_order_relaxed) == CycleEnd::link_lost;
+  const bool guard_tries = silent && guard != nullptr && guard->alive();
+  farewell_.robot = guard_tries ? duty_->discharge_after(Parting::unconfirmed)
+                                : duty_->discharge(cycle_->owed_bytes());
 }
 
 void Robot::note_end(CycleEnd end) {
@@ -153,27 +175,33 @@ RecordingHeader Robot::recording_header() const {
 }
 
 Robot::Farewell Robot::stop() {
-  if (std::exchange(left_, true)) return farewell_;
+  if (std::exchange(stopped_, true)) return farewell_;
   cycle_->request_stop();
   thread_.join();
   if (stepped_) (void)step(rt::TimePoint::max());              // its end, as it was asked to
   farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join() ordered it
   farewell_.causes = cycle_->mode_loss_causes();
-  (void)stream_->set_wake_threshold(
-      1);  // leave() reads single bytes; where this fails it times out
-  farewell_.guard_lost = guard_ && farewell_.end != CycleEnd::guarded && guard_lost();
-  if (guard_ && guard_->took_robot()) {
-    farewell_.end = CycleEnd::guarded;
-    farewell_.confirmed_passive = guard_->confirmed_passive();
-  } else if (farewell_.end != CycleEnd::hung_up) {
-    farewell_.confirmed_passive = leave(*stream_);
-  }
-  if (guard_) guard_->release();
+  farewell_.port_error = cycle_->port_error();
+  leave();                                                     // unless the thread has
+  farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join() ordered it
   if (farewell_.end != CycleEnd::asked) farewell_.last = last_exchanges(recorder_, kLastFrames);
   return farewell_;
 }
 
-std::string explain(const Robot::Farewell& farewell) {
+namespace {
+
+std::string explain_port(int error) {
+  if (error == EBADF) {
+    return "this program closed the port's descriptor under the library, as close_range() does; "
+           "keep descriptors that are not its own";
+  }
+  if (error == 0 || error == EIO) {
+    return "the port hung up: unplugged, or the virtual Create ended; plug it in and start again";
+  }
+  return "the port failed (" + std::generic_category().message(error) + "); start again";
+}
+
+std::string explain_end(const Robot::Farewell& farewell) {
   switch (farewell.end) {
     case CycleEnd::asked: return "";
     case CycleEnd::link_lost:
@@ -185,18 +213,29 @@ std::string explain(const Robot::Farewell& farewell) {
       }
       return "the robot left its mode and stopped, and no sensor says why: something that it saw "
              "for an instant, or its power button; look at it, then start again";
-    case CycleEnd::hung_up:
-      return "the port hung up: unplugged, or the virtual Create ended; plug it in and start again";
+    case CycleEnd::hung_up: return explain_port(farewell.port_error);
     case CycleEnd::guarded:
-      return "the loop stood still for too long, and its guard stopped the robot: the program was "
-             "suspended, its control function did not return, or others took the CPU; see: "
-             "cargobay doctor";
+      return "the loop stood still for too long: the program was suspended, its control function "
+             "did not return, or others took the CPU; see: cargobay doctor";
     case CycleEnd::control_overrun:
       return "the control function was over its time budget too many times in a row, and the robot "
              "was stopped; do less in it, leave the rest to another thread, or raise "
              "control_budget";
+    case CycleEnd::guard_lost:
+      return std::string{kGuardLost} + ", and the robot was stopped; " + kGuardRemedy;
   }
   return "";
+}
+
+}  // namespace
+
+std::string explain(const Robot::Farewell& farewell) {
+  const std::string end = explain_end(farewell);
+  if (!end.empty()) return end + fate(farewell.robot);
+  if (farewell.robot.standing()) return "";
+  return "the robot was told to stop and go Passive, but did not confirm: it may be moving; look "
+         "at "
+         "it, and press its power button if it does";
 }
 
 }  // namespace cargobay::hal

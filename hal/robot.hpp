@@ -10,6 +10,7 @@
 #include "hal/bring_up.hpp"
 #include "hal/byte_stream.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/duty.hpp"
 #include "hal/exchange.hpp"
 #include "hal/flight_recorder.hpp"
 #include "hal/guard.hpp"
@@ -36,8 +37,9 @@ struct RobotOptions {
 // All functions from one thread, except where the ControlCycle says otherwise.
 class Robot {
  public:
-  // Brings the robot up at the stream's rate; blocks as bring_up() does. After a failure it was
-  // told to stop and go Passive, and the stream is closed.
+  // Starts the guard and brings the robot up at the stream's rate; blocks as bring_up() does. After
+  // a failure it was told to stop and go Passive, by the guard if need be; the message says so if
+  // it may be moving. The stream is closed.
   static Result<std::unique_ptr<Robot>> open(std::unique_ptr<ByteStream> stream,
                                              const RobotOptions& options);
   // Stops, if stop() was not called.
@@ -45,9 +47,9 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  // Starts the guard and the real-time thread, once. A failure leaves the robot standing.
+  // Starts the real-time thread, once. A failure leaves the robot standing.
   Result<rt::RealtimeGrant> start(const ControlFunction& control);
-  // The same where time is virtual: no guard and no thread. step() is what runs the cycle, on the
+  // The same where time is virtual: no thread. step() is what runs the cycle, on the
   // calling thread, until it has answered a frame, has ended, or `deadline` on the stream's clock
   // has passed.
   void start_stepped(const ControlFunction& control);
@@ -56,10 +58,6 @@ class Robot {
   // The running cycle: state, setpoints, request_stop().
   ControlCycle& cycle() { return *cycle_; }
   const BringUpReport& bring_up_report() const { return report_; }
-  // The guard's process has died, and nobody would stop the robot in our place. Whoever waits for
-  // the end asks this now and then; one system call.
-  bool guard_lost() const { return guard_ && !guard_->alive(); }
-
   // What the cycle has learnt and done lately, for hal/recording_file.hpp; from any thread.
   const FlightRecorder& flight_recorder() const { return recorder_; }
   // The header of a recording that begins now.
@@ -67,13 +65,14 @@ class Robot {
 
   struct Farewell {
     CycleEnd end = CycleEnd::asked;
-    bool confirmed_passive = false;  // the robot itself said so
-    bool guard_lost = false;         // it was driven without, for a while
-    Hazards causes{};                // of mode_lost; none where no sensor said why
-    std::vector<Exchange> last{};    // of kLastFrames, where the cycle ended by itself
+    Discharge robot{};             // what became of it
+    int port_error = 0;            // errno of the call that ended the cycle; 0 if none did
+    Hazards causes{};              // of mode_lost; none where no sensor said why
+    std::vector<Exchange> last{};  // of kLastFrames, where the cycle ended by itself
   };
   static constexpr std::size_t kLastFrames = 10;
-  // Ends the cycle and its thread, stops the wheels, goes Passive. Blocks for up to 1 s.
+  // Ends the cycle and its thread, which leaves the robot as soon as the cycle has ended, for
+  // whatever reason and whether or not this is called. Blocks for up to 2 s, at 19200 baud 3 s.
   Farewell stop();
   // Whether the cycle has ended, by itself or when asked.
   bool ended() const { return ended_.load(std::memory_order_acquire); }
@@ -91,10 +90,10 @@ class Robot {
   rt::TimePoint now() const { return stream_->now(); }
 
  private:
-  Robot(std::unique_ptr<ByteStream> stream, const RobotOptions& options,
+  Robot(std::unique_ptr<ByteStream> stream, std::unique_ptr<Duty> duty, const RobotOptions& options,
         const BringUpReport& report);
-  std::optional<Failure> start_guard();
   void run();
+  void leave();
   void note_end(CycleEnd end);
   StateObserver observer();
 
@@ -104,19 +103,21 @@ class Robot {
   FlightRecorder recorder_;
   RecordingStream recorded_;  // stream_ as the cycle has it
   std::unique_ptr<ControlCycle> cycle_;
-  std::unique_ptr<Guard> guard_;
+  std::unique_ptr<Duty> duty_;  // ends before its stream
   rt::RealtimeThread thread_;
-  enum class Verdict : std::uint8_t { pending, run, refused };
-  std::atomic<Verdict> verdict_{Verdict::pending};    // on what the kernel granted
-  std::atomic<CycleEnd> cycle_end_{CycleEnd::asked};  // farewell_ is the owner's
+  enum class Permission : std::uint8_t { pending, run, refused };
+  std::atomic<Permission> permission_{Permission::pending};  // by what the kernel granted
+  std::atomic<CycleEnd> cycle_end_{CycleEnd::asked};         // farewell_ is the owner's
   std::atomic<bool> ended_{false};
   bool stepped_ = false;  // start_stepped() was called
   rt::Doorbell doorbell_{};
-  bool left_ = false;
+  bool left_ = false;     // by leave(), on the thread or after its end
+  bool stopped_ = false;  // by stop()
   Farewell farewell_{};
 };
 
-// One line: why the cycle ended, and what to do. Empty where it was asked to.
+// One line: why the cycle ended, what became of the robot, and what to do. Empty if it was asked to
+// end and the robot stands.
 std::string explain(const Robot::Farewell& farewell);
 
 }  // namespace cargobay::hal

@@ -18,8 +18,9 @@ struct FreePort {
   void operator()(sp_port* port) const { sp_free_port(port); }
 };
 struct ClosePort {
+  PortDescriptor opened{};  // by libserialport, which knows only its number
   void operator()(sp_port* port) const {
-    sp_close(port);
+    if (opened.still_open()) sp_close(port);
     sp_free_port(port);
   }
 };
@@ -60,11 +61,12 @@ sp_return configure(sp_port* port, std::uint32_t baud) {
 
 class SerialTransport final : public TtyStream {
  public:
-  SerialTransport(std::unique_ptr<PortLock> lock, OpenPort port, int descriptor, std::uint32_t baud)
-      : TtyStream{descriptor, baud, std::move(lock)}, port_{std::move(port)} {}
+  SerialTransport(std::unique_ptr<PortLock> lock, OpenPort port, std::uint32_t baud)
+      : TtyStream{lock->descriptor(), baud, std::move(lock)}, port_{std::move(port)} {}
 
  private:
   std::error_code apply_baud(std::uint32_t baud) override {
+    if (!port_.get_deleter().opened.still_open()) return {EBADF, std::generic_category()};
     return error_of(sp_set_baudrate(port_.get(), static_cast<int>(baud)));
   }
 
@@ -117,12 +119,13 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
   }
   std::unique_ptr<sp_port, FreePort> unopened{raw};
   (*lock)->let_go();
+  const StandardNumbersTaken taken;
   if (const sp_return result = sp_open(raw, SP_MODE_READ_WRITE); result != SP_OK) {
     return refuse(error_of(result));
   }
-  OpenPort port{unopened.release()};
   int descriptor = -1;
-  if (sp_get_port_handle(raw, &descriptor) != SP_OK) return refuse(error_of(SP_ERR_FAIL));
+  (void)sp_get_port_handle(raw, &descriptor);  // of an open port it cannot fail
+  OpenPort port{unopened.release(), ClosePort{PortDescriptor::borrow(descriptor)}};
   if (const int error = (*lock)->hand_over(descriptor); error != 0) {
     return cannot_open(path, error);
   }
@@ -131,10 +134,9 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
     return Failure{path + " does not run at " + std::to_string(baud) + " baud: " + reason.message(),
                    reason};
   }
-  ask_for_low_latency(descriptor);
+  ask_for_low_latency((*lock)->descriptor());
   OpenedPort opened;
-  opened.stream =
-      std::make_unique<SerialTransport>(std::move(*lock), std::move(port), descriptor, baud);
+  opened.stream = std::make_unique<SerialTransport>(std::move(*lock), std::move(port), baud);
   // libserialport leaves VMIN at 0: a poll() that ends with nothing to read.
   if (const std::error_code refused = opened.stream->set_wake_threshold(1); refused)
     return refuse(refused);

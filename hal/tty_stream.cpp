@@ -62,7 +62,12 @@ rt::TimePoint TtyStream::now() const noexcept CARGOBAY_NONBLOCKING {
   return rt::unchecked([]() noexcept { return rt::Clock::now(); });
 }
 
+bool TtyStream::still_open() const noexcept CARGOBAY_NONBLOCKING {
+  return rt::unchecked([this]() noexcept { return !lock_ || lock_->still_open(); });
+}
+
 std::error_code TtyStream::set_baud(std::uint32_t baud) {
+  if (!still_open()) return {EBADF, std::generic_category()};
   const std::error_code error = apply_baud(baud);
   if (!error) baud_ = baud;
   return error;
@@ -70,6 +75,7 @@ std::error_code TtyStream::set_baud(std::uint32_t baud) {
 
 // VMIN with VTIME 0 is honoured by poll() (n_tty_poll).
 std::error_code TtyStream::set_wake_threshold(std::size_t bytes) {
+  if (!still_open()) return {EBADF, std::generic_category()};
   termios settings{};
   if (tcgetattr(descriptor_, &settings) != 0) return {errno, std::generic_category()};
   settings.c_cc[VMIN] = static_cast<cc_t>(std::clamp<std::size_t>(bytes, 1, 255));
@@ -79,7 +85,9 @@ std::error_code TtyStream::set_wake_threshold(std::size_t bytes) {
   return set_tty_speed(descriptor_, baud_);
 }
 
-void TtyStream::discard_input() { tcflush(descriptor_, TCIFLUSH); }
+void TtyStream::discard_input() {
+  if (still_open()) tcflush(descriptor_, TCIFLUSH);
+}
 
 bool TtyStream::drain(rt::Duration timeout) {
   const rt::TimePoint deadline = rt::Clock::now() + timeout;
@@ -88,9 +96,13 @@ bool TtyStream::drain(rt::Duration timeout) {
     if (ioctl(descriptor_, TIOCOUTQ, &waiting) != 0) return false;
     if (waiting == 0 && hardware_is_empty(descriptor_)) return true;
     if (rt::Clock::now() >= deadline) return false;
-    const timespec pause{.tv_sec = 0, .tv_nsec = 500'000};
-    nanosleep(&pause, nullptr);
+    sleep(std::chrono::microseconds{500});
   }
+}
+
+void TtyStream::sleep(rt::Duration duration) {
+  const timespec pause = rt::as_timespec(std::max(duration, rt::Duration::zero()));
+  nanosleep(&pause, nullptr);
 }
 
 }  // namespace cargobay::hal

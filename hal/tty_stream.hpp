@@ -17,6 +17,7 @@ class TtyStream : public ByteStream {
   Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
   rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
+  bool still_open() const noexcept CARGOBAY_NONBLOCKING override;
 
   Terminal terminal() const override { return {.descriptor = descriptor_, .lock = lock_.get()}; }
   std::uint32_t baud() const override { return baud_; }
@@ -24,9 +25,11 @@ class TtyStream : public ByteStream {
   std::error_code set_wake_threshold(std::size_t bytes) override;
   void discard_input() override;
   bool drain(rt::Duration timeout) override;
+  void sleep(rt::Duration duration) override;
 
  protected:
-  // The descriptor is the lock's, or another one of the same port that the deriving class closes.
+  // The descriptor is the lock's; without a lock it is a process's only one, and nobody else closes
+  // it (the guard's).
   TtyStream(int descriptor, std::uint32_t baud, std::unique_ptr<PortLock> lock)
       : lock_{std::move(lock)}, descriptor_{descriptor}, baud_{baud} {}
   int descriptor() const { return descriptor_; }

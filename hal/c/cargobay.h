@@ -100,7 +100,8 @@ enum cargobay_error {
   CARGOBAY_E_CONTROL = -10, /**< the control function: over its budget too often, or it threw */
   CARGOBAY_E_STALLED = -11, /**< the process: it stood still, and its guard stopped the robot */
   CARGOBAY_E_FULL = -12,    /**< the line: no room now for what is to be sent; try again later */
-  CARGOBAY_E_TIMEOUT = -13  /**< nobody: what was waited for did not come in time */
+  CARGOBAY_E_TIMEOUT = -13, /**< nobody: what was waited for did not come in time */
+  CARGOBAY_E_GUARD = -14    /**< the guard: it died or was suspended, and the robot was stopped */
 };
 
 /**
@@ -374,9 +375,9 @@ int cargobay_get_state(struct cargobay_robot* robot, struct cargobay_state* stat
  * @return 0; CARGOBAY_E_TIMEOUT; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE before
  * cargobay_start(), after cargobay_stop() and in the control function; where the loop has ended by
  * itself what cargobay_stop() will say: CARGOBAY_E_ROBOT, CARGOBAY_E_PORT, CARGOBAY_E_MODE,
- * CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED. Where it ended by cargobay_request_stop():
- * CARGOBAY_E_STATE. Any thread but the control thread; blocks. While somebody waits the loop makes
- * one more system call a frame.
+ * CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED, CARGOBAY_E_GUARD. Where it ended by
+ * cargobay_request_stop(): CARGOBAY_E_STATE. Any thread but the control thread; blocks. While
+ * somebody waits the loop makes one more system call a frame.
  */
 int cargobay_wait(struct cargobay_robot* robot, int64_t timeout_ns, struct cargobay_state* state);
 

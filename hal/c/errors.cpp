@@ -43,6 +43,7 @@ const char* cargobay_error_name(int error) {
     case CARGOBAY_E_STALLED: return "CARGOBAY_E_STALLED";
     case CARGOBAY_E_FULL: return "CARGOBAY_E_FULL";
     case CARGOBAY_E_TIMEOUT: return "CARGOBAY_E_TIMEOUT";
+    case CARGOBAY_E_GUARD: return "CARGOBAY_E_GUARD";
     default: return "CARGOBAY_E_?";
   }
 }

@@ -249,16 +249,7 @@ int stop(RobotObject& object) {
   end(object);
   const hal::Robot::Farewell& farewell = *object.farewell;
   if (const int code = object.end_of_loop(farewell); code != CARGOBAY_OK) return code;
-  if (farewell.guard_lost) {
-    return fail(CARGOBAY_E_SYSTEM,
-                "the guard process died while the robot drove; find out who killed it (dmesg tells "
-                "of memory running out)");
-  }
-  if (!farewell.confirmed_passive) {
-    return fail(CARGOBAY_E_ROBOT,
-                "the robot was told to stop and go Passive, but did not confirm; look at it, and "
-                "press its power button if it moves");
-  }
+  if (!farewell.robot.standing()) return fail(CARGOBAY_E_ROBOT, hal::explain(farewell));
   if (!object.unrecorded_why.empty()) return fail(CARGOBAY_E_SYSTEM, object.unrecorded_why);
   return CARGOBAY_OK;
 }

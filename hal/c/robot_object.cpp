@@ -37,6 +37,7 @@ int code_of(hal::CycleEnd end) noexcept {
     case hal::CycleEnd::hung_up: return CARGOBAY_E_PORT;
     case hal::CycleEnd::guarded: return CARGOBAY_E_STALLED;
     case hal::CycleEnd::control_overrun: return CARGOBAY_E_CONTROL;
+    case hal::CycleEnd::guard_lost: return CARGOBAY_E_GUARD;
   }
   return CARGOBAY_E_SYSTEM;
 }

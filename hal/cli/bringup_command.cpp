@@ -16,9 +16,10 @@
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/write_file.hpp"
-#include "hal/leave.hpp"
+#include "hal/duty.hpp"
 #include "hal/open_pins.hpp"
 #include "hal/sim/virtual_create.hpp"
+#include "hal/write_all.hpp"
 #include "oi/encode.hpp"
 
 namespace cargobay::cli {
@@ -42,23 +43,29 @@ oi::Mode mode_of(const std::string& word) {
   return word == "full" ? oi::Mode::full : oi::Mode::passive;
 }
 
-// Nobody listens from here on.
-void end_stream(hal::ByteStream& stream, oi::Mode mode) {
+// Nobody listens from here on. Safe or Full, where that was asked for, is how the robot is left.
+std::optional<hal::Failure> end_stream(hal::ByteStream& stream, oi::Mode mode, hal::Duty& duty) {
   if (mode == oi::Mode::passive) {
-    (void)hal::leave(stream);  // it was Passive a moment ago
-    return;
+    if (duty.discharge().standing()) return std::nullopt;
+    return hal::Failure{
+        "the robot answered, but did not confirm that it is Passive again; look at it, and press "
+        "its power button if it moves"};
   }
   const auto pause = oi::encode(oi::PauseResumeStream{oi::StreamState::pause});
-  if (pause) (void)stream.write(*pause);
-  (void)stream.drain(kLastWords);
+  const bool told = pause && hal::write_all(stream, *pause) && stream.drain(kLastWords);
+  if (told) duty.waive();
+  if (told) return std::nullopt;
+  return hal::Failure{"the port failed at the end of the bring-up" + hal::fate(duty.discharge())};
 }
 
 int conclude(const BringupOptions& options, const BringUpRecord& record,
-             const hal::Result<hal::BringUpReport>& result, std::optional<int> signal) {
+             const hal::Result<hal::BringUpReport>& result,
+             const std::optional<hal::Failure>& not_left, std::optional<int> signal) {
   if (result && options.json_file != "-") fmt::print("{}", summary(record, *result));
   std::optional<hal::Failure> wrong;
   if (!options.json_file.empty()) wrong = write_file(options.json_file, json(record, result));
   if (signal) return kSignalled + *signal;
+  if (not_left) wrong = *not_left;
   if (!result) wrong = result.failure();
   if (!wrong) return kSuccess;
   print_error(wrong->message);
@@ -96,7 +103,10 @@ int bring_up(const BringupOptions& options) {
   if (!stream) return fail(stream.failure());
 
   const oi::Mode mode = mode_of(options.mode);
+  auto duty = hal::Duty::begin(**stream, {}, 0);
+  if (!duty) return fail(duty.failure());
   std::optional<int> signal;
+  hal::Parting left = hal::Parting::unconfirmed;
   const auto result = hal::bring_up(**stream, {.mode = mode,
                                                .packets = kPackets,
                                                .pins = create ? create->pins() : lines.pins(),
@@ -112,9 +122,14 @@ int bring_up(const BringupOptions& options) {
                                                      if (!signal)
                                                        signal = signals.wait(rt::Duration::zero());
                                                      return signal.has_value();
-                                                   }});
-  if (result) end_stream(**stream, mode);
-  return conclude(options, record, result, signal);
+                                                   },
+                                               .left = &left});
+  if (result) {
+    return conclude(options, record, result, end_stream(**stream, mode, **duty), signal);
+  }
+  const hal::Failure failure{result.failure().message + hal::fate((*duty)->discharge_after(left)),
+                             result.failure().code};
+  return conclude(options, record, failure, std::nullopt, signal);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
   hal::CycleState state;
-  while (!robot.ended() && !robot.guard_lost() && !signal) {
+  while (!robot.ended() && !signal) {
     signal = signals.wait(kPause);
     while (robot.cycle().next_state(state)) calibration.see(state);
     if (!live) continue;
@@ -84,8 +84,7 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
   if (live) fmt::print("\r\033[K");
   const hal::Robot::Farewell farewell = robot.stop();
   while (robot.cycle().next_state(state)) calibration.see(state);
-  if (signal) return signal;
-  if (farewell.end != hal::CycleEnd::asked) return hal::Failure{hal::explain(farewell)};
+  if (const std::string wrong = hal::explain(farewell); !wrong.empty()) return hal::Failure{wrong};
   return signal;
 }
 

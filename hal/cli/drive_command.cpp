@@ -119,17 +119,7 @@ struct Ending {
 // What went wrong, the worst first; empty where nothing did.
 std::string complaint(const Ending& ending, const std::optional<hal::Failure>& unsaved) {
   if (!ending.why.empty()) return ending.why;
-  const hal::Robot::Farewell& farewell = ending.farewell;
-  if (farewell.end != hal::CycleEnd::asked) return hal::explain(farewell);
-  if (farewell.guard_lost) {
-    return "the guard process died, so the robot was stopped; find out who killed it (dmesg tells "
-           "of "
-           "memory running out), then start again";
-  }
-  if (!farewell.confirmed_passive) {
-    return "the robot was told to stop and go Passive, but did not confirm; look at it, and press "
-           "its power button if it moves";
-  }
+  if (std::string wrong = hal::explain(ending.farewell); !wrong.empty()) return wrong;
   return unsaved.has_value() ? unsaved->message : "";
 }
 
@@ -183,7 +173,7 @@ class Drive {
       end_recording(*robot, ending);
       robot.reset();  // closes the port
       const bool goes_on = !request.port.path.empty() && !ending.signal.has_value() &&
-                           !ending.farewell.guard_lost && hal::may_reconnect(ending.farewell.end);
+                           hal::may_reconnect(ending.farewell.end);
       if (!goes_on) return ending;
       auto back = wait_for_robot(request, ending.farewell.end);
       if (!back) {
@@ -213,7 +203,7 @@ class Drive {
     constexpr const char* kClearLine = "\r\033[K";
     const bool live = stdout_is_terminal();
     std::optional<int> signal;
-    while (!robot.ended() && !robot.guard_lost() && !signal.has_value()) {
+    while (!robot.ended() && !signal.has_value()) {
       signal = signals_.wait(kStatusPeriod);
       links_.collect();
       if (recording_) recording_->append(robot.flight_recorder());

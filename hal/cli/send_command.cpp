@@ -20,6 +20,8 @@
 #include "hal/cli/sensor_format.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/words.hpp"
+#include "hal/duty.hpp"
+#include "hal/farewell.hpp"
 #include "oi/baud.hpp"
 #include "oi/command_text.hpp"
 #include "oi/encode.hpp"
@@ -36,8 +38,16 @@ struct SendOptions {
   bool leave_running = false;
 };
 
-constexpr milliseconds kModeChangeWait{50};
+using hal::kModeChangeWait;
+
+constexpr int kNoPriority = 0;
 constexpr milliseconds kFirstLook{40};  // whether a stream is under way already
+
+bool may_move(const std::vector<PlannedCommand>& commands) {
+  Expectation robot{oi::Mode::full, oi::kDefaultBaud};
+  for (const PlannedCommand& command : commands) robot.take(command);
+  return robot.has_moved();
+}
 
 rt::Duration seconds(double count) {
   return std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{count});
@@ -53,8 +63,9 @@ hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
 // One run of the command: a robot, and what it is told in order.
 class Sending {
  public:
-  Sending(hal::ByteStream& port, StopSignals& signals, const SendOptions& options)
-      : port_{port}, options_{options}, talk_{port, signals} {}
+  // All outlive it.
+  Sending(hal::ByteStream& port, hal::Duty& duty, StopSignals& signals, const SendOptions& options)
+      : port_{port}, duty_{duty}, options_{options}, talk_{port, signals} {}
 
   // Returns the failure that ended it, after everything that has to follow one.
   std::optional<hal::Failure> run(const std::vector<PlannedCommand>& commands) {
@@ -105,6 +116,7 @@ class Sending {
 
   std::optional<hal::Failure> send(const PlannedCommand& command) {
     robot_.take(command);  // before it goes: what may have been heard counts
+    if (robot_.motion() == Motion::demo) duty_.expect_demo();
     return std::visit([&](const auto& one) { return send(command, one); }, command.command);
   }
 
@@ -229,32 +241,23 @@ class Sending {
 
   // Whatever happened before: the wheels are not left turning.
   std::optional<hal::Failure> stop() {
-    if (robot_.motion() == Motion::none || talk_.hung_up()) return std::nullopt;
-    if (options_.leave_running) {
+    if (options_.leave_running && robot_.motion() != Motion::none)
       print_remark("the wheels may be turning still, as asked for by --leave-running");
+    if (options_.leave_running || robot_.motion() == Motion::none) {
+      duty_.waive();
       return std::nullopt;
     }
     talk_.ignore_signals();
-    tell_stop();
-    if (!ask_mode()) {
+    begun_stream_ = false;  // the farewell ends it
+    const hal::Discharge left = duty_.discharge();
+    if (talk_.hung_up()) return hal::Failure{hung_up().message + hal::fate(left)};
+    if (!left.standing()) {
       return hal::Failure{
           "told the wheels to stop, but the robot does not answer; if it waits in a script it is "
           "deaf until that is over: press its power button if it moves"};
     }
-    print_remark("stopped the wheels");
+    print_remark(left.by_guard ? "the guard stopped the wheels" : "stopped the wheels");
     return std::nullopt;
-  }
-
-  void tell_stop() {
-    const auto tell = [this](const auto& command) {
-      (void)talk_.send(*oi::encode(command));  // what was not heard shows as no answer
-      (void)talk_.listen(kModeChangeWait);
-    };
-    const bool passive = robot_.mode() == oi::Mode::passive;
-    if (robot_.motion() == Motion::demo && passive) return tell(oi::Demo{oi::DemoNumber::abort});
-    if (passive) tell(oi::Safe{});  // Passive obeys no DriveDirect
-    tell(oi::DriveDirect{});
-    if (passive) tell(oi::Start{});
   }
 
   void pause_stream() {
@@ -265,6 +268,7 @@ class Sending {
   }
 
   hal::ByteStream& port_;
+  hal::Duty& duty_;
   const SendOptions& options_;
   Conversation talk_;
   std::uint32_t opened_at_ = port_.baud();
@@ -289,7 +293,12 @@ int send(const CLI::App& command, const SendOptions& options) {
   if (const auto refused = objection(commands, std::nullopt, *config->baud)) return fail(*refused);
   auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
-  Sending sending{**port, signals, options};
+  // Without a guard the wheels would turn for ever if this program were killed.
+  const bool guarded = may_move(commands) && !options.leave_running;
+  using Use = hal::GuardOptions::Use;
+  auto duty = hal::Duty::begin(**port, {.use = guarded ? Use::required : Use::none}, kNoPriority);
+  if (!duty) return fail(duty.failure());
+  Sending sending{**port, **duty, signals, options};
   if (const auto failure = sending.run(commands)) return fail(*failure);
   return sending.signal() ? kSignalled + *sending.signal() : kSuccess;
 }

@@ -79,6 +79,7 @@ void Expectation::take(const PlannedCommand& command) {
     baud_ = oi::kBaudRates[baud->code];
   if (const auto* script = std::get_if<oi::Script>(&command.command)) script_ = *script;
   if (std::holds_alternative<oi::PlayScript>(command.command)) play_script();
+  has_moved_ = has_moved_ || motion_ != Motion::none;
 }
 
 // A script can do what any command does, and do it later. One that is not known may do anything.

@@ -35,6 +35,8 @@ class Expectation {
   oi::Mode mode() const { return mode_; }
   std::uint32_t baud() const { return baud_; }
   Motion motion() const { return motion_; }
+  // Whether anything so far set the wheels turning, or may have.
+  bool has_moved() const { return has_moved_; }
 
  private:
   void play_script();
@@ -42,6 +44,7 @@ class Expectation {
   oi::Mode mode_;
   std::uint32_t baud_;
   Motion motion_ = Motion::none;
+  bool has_moved_ = false;
   std::optional<oi::Script> script_{};  // nothing where it was stored by somebody else
 };
 

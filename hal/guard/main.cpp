@@ -9,13 +9,17 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <ctime>
 
-#include "hal/guard/stop_robot.hpp"
+#include "hal/farewell.hpp"
+#include "hal/guard/guard_port.hpp"
 #include "hal/guard_block.hpp"
 #include "hal/tty_speed.hpp"
+#include "oi/baud.hpp"
+#include "oi/command_table.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::hal {
@@ -23,17 +27,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-enum class GuardFinding : std::uint8_t { nothing, owner_died, owner_hung };
+enum class GuardFinding : std::uint8_t { nothing, owner_died, owner_hung, handed_over };
 
-constexpr milliseconds kNap{20};
-constexpr milliseconds kLongestLeave{3000};  // the owner's own takes 1 s at most
+constexpr milliseconds kLongestLeave{3000};  // the owner's own takes 2 s at most
 constexpr int kNotByHand = 2;
 constexpr int kOtherVersion = 3;
 
 bool owner_is_gone(const GuardBlock& block) { return getppid() != block.owner; }
 
 void nap() {
-  const timespec pause{.tv_sec = 0, .tv_nsec = rt::Duration{kNap}.count()};
+  const timespec pause = rt::as_timespec(kGuardBeat);
   nanosleep(&pause, nullptr);
 }
 
@@ -64,12 +67,20 @@ void take_rights(const GuardBlock& block) {
   }
 }
 
+// Returns the time.
+std::int64_t beat(GuardBlock& block) {
+  const std::int64_t now_ns = rt::nanoseconds(rt::Clock::now());
+  block.guard_beat_ns.store(now_ns, std::memory_order_relaxed);
+  return now_ns;
+}
+
 // Until the control thread is dead or hung, or has let go of its own accord (nothing).
 GuardFinding watch(GuardBlock& block) {
   for (;;) {
-    const std::int64_t limit_ns = block.beat_ns.load(std::memory_order_relaxed) + block.deadline_ns;
-    const timespec limit{.tv_sec = static_cast<time_t>(limit_ns / 1'000'000'000),
-                         .tv_nsec = static_cast<long>(limit_ns % 1'000'000'000)};
+    const std::int64_t next_beat_ns = beat(block) + rt::Duration{kGuardBeat}.count();
+    const std::int64_t deadline_ns =
+        block.beat_ns.load(std::memory_order_relaxed) + block.deadline_ns;
+    const timespec limit = rt::as_timespec(rt::Duration{std::min(next_beat_ns, deadline_ns)});
     switch (pthread_mutex_clocklock(&block.alive, CLOCK_MONOTONIC, &limit)) {
       case 0: pthread_mutex_unlock(&block.alive); return GuardFinding::nothing;
       case EOWNERDEAD: return GuardFinding::owner_died;
@@ -81,12 +92,14 @@ GuardFinding watch(GuardBlock& block) {
   }
 }
 
-// Before and behind the drive the owner is an ordinary program: looked at now and then.
-GuardFinding wait_for_change(const GuardBlock& block, GuardState state) {
+// Before and after the drive the owner is an ordinary program: looked at now and then.
+GuardFinding wait_for_change(GuardBlock& block, GuardState state) {
   const rt::TimePoint limit = rt::Clock::now() + kLongestLeave;
   while (block.state.load(std::memory_order_acquire) == state) {
+    beat(block);
     if (owner_is_gone(block)) return GuardFinding::owner_died;
-    if (state == GuardState::leaving && rt::Clock::now() >= limit) return GuardFinding::owner_hung;
+    if (state != GuardState::standing_by && rt::Clock::now() >= limit)
+      return GuardFinding::owner_hung;
     nap();
   }
   return GuardFinding::nothing;
@@ -97,8 +110,9 @@ GuardFinding guard(GuardBlock& block) {
   for (;;) {
     const GuardState state = block.state.load(std::memory_order_acquire);
     if (state == GuardState::released) return GuardFinding::nothing;
-    const GuardFinding finding =
-        state == GuardState::driving ? watch(block) : wait_for_change(block, state);
+    const GuardFinding finding = state == GuardState::handed_over ? GuardFinding::handed_over
+                                 : state == GuardState::driving   ? watch(block)
+                                                                  : wait_for_change(block, state);
     if (finding == GuardFinding::nothing) {
       // The lock is free, and the thread that held it did not say farewell.
       GuardState expected = GuardState::driving;
@@ -120,6 +134,30 @@ void leave_port_as_found(const GuardBlock& block) {
   ioctl(GuardBlock::kPort, TIOCNXCL);
 }
 
+// Of what the loop has sent so much may wait in the port's queue that the stop would come late:
+// then it is dropped, and one of the commands in it was cut. Returns how many bytes may be missing.
+std::size_t drop_backlog(std::size_t owed) {
+  int waiting = 0;
+  if (ioctl(GuardBlock::kPort, TIOCOUTQ, &waiting) != 0 || waiting <= kMostBacklog) return owed;
+  tcflush(GuardBlock::kPort, TCOFLUSH);
+  return oi::kLongestRest;
+}
+
+// In the middle of a bring-up the robot may be at another rate than the port.
+Parting say_farewell(GuardBlock& block) {
+  GuardPort port{block};
+  Unfinished unfinished{.bytes = drop_backlog(block.in_writing.load(std::memory_order_acquire)),
+                        .demo = block.demo.load(std::memory_order_acquire)};
+  const Parting parting = farewell(port, unfinished);
+  if (parting != Parting::unconfirmed || block.driven) return parting;
+  for (const std::uint32_t baud : {block.wanted_baud, oi::kDefaultBaud, oi::kBrcBaud}) {
+    if (baud == port.baud() || port.set_baud(baud)) continue;
+    unfinished.bytes = oi::kLongestRest;
+    if (farewell(port, unfinished) == Parting::standing) return Parting::standing;
+  }
+  return parting;
+}
+
 int run() {
   GuardBlock* const block = map_block();
   if (block == nullptr) {
@@ -130,14 +168,13 @@ int run() {
     return fcntl(GuardBlock::kBlock, F_GETFD) < 0 ? kNotByHand : kOtherVersion;
   }
   take_rights(*block);
+  beat(*block);
   block->ready.store(true, std::memory_order_release);
   const GuardFinding finding = guard(*block);
   if (finding == GuardFinding::nothing) return 0;
-  const bool confirmed =
-      stop_robot(GuardBlock::kPort, block->in_writing.load(std::memory_order_acquire));
-  block->confirmed_passive.store(confirmed, std::memory_order_release);
+  block->parting.store(say_farewell(*block), std::memory_order_release);
   // A hung owner may wake, and still has the port.
-  if (finding == GuardFinding::owner_died) leave_port_as_found(*block);
+  if (finding != GuardFinding::owner_hung) leave_port_as_found(*block);
   return 0;
 }
 

@@ -2,9 +2,9 @@
 
 #include "hal/bring_up.hpp"
 #include "hal/control_cycle.hpp"
+#include "hal/duty.hpp"
 #include "hal/flight_recorder.hpp"
 #include "hal/jitter/stamped_stream.hpp"
-#include "hal/leave.hpp"
 #include "hal/recording_stream.hpp"
 #include "oi/limits.hpp"
 #include "oi/stream_budget.hpp"
@@ -91,8 +91,7 @@ class RobotChannel final : public Channel {
     });
   }
   ~RobotChannel() override {
-    (void)stream_->set_wake_threshold(1);  // leave() reads single bytes
-    (void)leave(*stream_);                 // it was told to stand still all the while
+    duty_.reset();  // it was told to stand still all the while
     if (server_ == nullptr) return;
     server_->with_device([this](sim::Device& device) {
       device.on_tick = std::move(former_on_tick_);
@@ -103,8 +102,14 @@ class RobotChannel final : public Channel {
   RobotChannel& operator=(const RobotChannel&) = delete;
 
   std::optional<Failure> bring_up_robot() {
-    const auto report = bring_up(*stream_, {.packets = kReadingList});
-    if (!report) return report.failure();
+    auto duty = Duty::begin(*stream_, {}, settings_.priority);
+    if (!duty) return duty.failure();
+    duty_ = std::move(*duty);
+    Parting left = Parting::unconfirmed;
+    const auto report = bring_up(*stream_, {.packets = kReadingList, .left = &left});
+    if (!report)
+      return Failure{report.failure().message + fate(duty_->discharge_after(left)),
+                     report.failure().code};
     if (const std::error_code error = stream_->set_wake_threshold(kFrameBytes); error)
       return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
     return std::nullopt;
@@ -141,6 +146,7 @@ class RobotChannel final : public Channel {
  private:
   Settings settings_;
   std::unique_ptr<ByteStream> stream_;
+  std::unique_ptr<Duty> duty_{};  // of the stream
   sim::Server* server_;
   Wire wire_{};
   std::function<void(const sim::Device&)> former_on_tick_{};

@@ -29,6 +29,7 @@ class VirtualLink final : public ByteStream {
   [[nodiscard]] std::error_code set_wake_threshold(std::size_t bytes) override;
   void discard_input() override { cable_.discard(); }
   [[nodiscard]] bool drain(rt::Duration timeout) override;
+  void sleep(rt::Duration duration) override { advance(duration); }
 
   // Lets time pass without reading.
   void advance(rt::Duration period) { cable_.advance_to(cable_.now() + period); }

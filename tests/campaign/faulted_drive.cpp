@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "hal/bring_up.hpp"
-#include "hal/leave.hpp"
+#include "hal/farewell.hpp"
 #include "hal/sim/pins.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/uart_line.hpp"
@@ -142,7 +142,7 @@ class FaultedDrive {
 
   void leave() {
     (void)stream_.set_wake_threshold(1);  // in range
-    (void)hal::leave(stream_);            // the robot itself is asked, in see_tick() and run()
+    (void)hal::farewell(stream_);         // the robot itself is asked, in see_tick() and run()
   }
 
   static rt::WheelSpeeds first_control(void* context, const hal::CycleState& state,

@@ -63,6 +63,7 @@ class FaultedStream final : public hal::ByteStream {
   }
   void discard_input() override { link_->discard_input(); }
   bool drain(rt::Duration timeout) override { return link_->drain(timeout); }
+  void sleep(rt::Duration duration) override { link_->sleep(duration); }
 
  private:
   Wait wait_through_changes(rt::TimePoint deadline) {

@@ -178,7 +178,7 @@ class RealSoak {
     const auto farewell = (*robot)->stop();
     if (farewell.end != hal::CycleEnd::asked) return failed(hal::explain(farewell));
     return print_end("real time", cycle_->frames(), ledger_, holdings_) &&
-           farewell.confirmed_passive;
+           farewell.robot.standing();
   }
 
  private:

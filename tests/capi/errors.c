@@ -377,7 +377,7 @@ static void* last_message(void* seen) {
 static void names_errors(void) {
   char* message = NULL;
   pthread_t thread;
-  for (int code = CARGOBAY_E_TIMEOUT; code <= CARGOBAY_OK; ++code)
+  for (int code = CARGOBAY_E_GUARD; code <= CARGOBAY_OK; ++code)
     CHECK(strcmp(cargobay_error_name(code), "CARGOBAY_E_?") != 0);
   CHECK(strcmp(cargobay_error_name(-99), "CARGOBAY_E_?") == 0);
   CHECK(strcmp(cargobay_error_name(CARGOBAY_E_RIGHTS), "CARGOBAY_E_RIGHTS") == 0);

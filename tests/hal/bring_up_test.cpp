@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hal/farewell.hpp"
 #include "hal/frame_lists.hpp"
-#include "hal/leave.hpp"
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
 
@@ -143,7 +143,7 @@ TEST_F(BringUp, LeaveStopsTheWheelsAndGoesPassive) {
   ASSERT_TRUE(run(oi::Mode::full));
   send({145, 0, 200, 0, 200});
   ASSERT_EQ(device_.commanded(), (rt::WheelSpeeds{200.0, 200.0}));
-  EXPECT_TRUE(leave(link_));
+  EXPECT_EQ(farewell(link_), Parting::standing);
   EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{});
   EXPECT_EQ(device_.mode(), oi::Mode::passive);
   EXPECT_FALSE(device_.stream().running());
@@ -154,7 +154,7 @@ TEST_F(BringUp, LeaveStopsARobotThatTakesItsCommandsForData) {
   ASSERT_TRUE(run());
   send({145, 0, 200, 0, 200});
   device_.take_half_command();
-  EXPECT_TRUE(leave(link_));
+  EXPECT_EQ(farewell(link_), Parting::standing);
   EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{});
   EXPECT_EQ(device_.mode(), oi::Mode::passive);
 }
@@ -162,7 +162,7 @@ TEST_F(BringUp, LeaveStopsARobotThatTakesItsCommandsForData) {
 TEST_F(BringUp, LeaveSaysWhereNobodyConfirms) {
   ASSERT_TRUE(run());
   link_.hang_up();
-  EXPECT_FALSE(leave(link_));
+  EXPECT_NE(farewell(link_), Parting::standing);
 }
 
 }  // namespace

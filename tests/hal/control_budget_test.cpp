@@ -19,7 +19,7 @@ using test::VirtualDrive;
 int most_commands_in_a_tick(const DriveResult& result) {
   std::map<std::uint64_t, int> in_tick;
   int most = 0;
-  // Without the stops of cycle and leave().
+  // Without the stops of cycle and farewell().
   for (std::size_t i = 0; i + 2 < result.commands.size(); ++i) {
     most = std::max(most, ++in_tick[result.commands[i].tick]);
   }

@@ -29,7 +29,7 @@ TEST(ControlCycle, AnswersEachFrameWithOneCommand) {
   const DriveResult result = drive.run(300, forward);
   EXPECT_EQ(result.frames.good, 300U);
   EXPECT_EQ(result.frames.late, 0U);
-  // One a frame, then the stop of the cycle and that of leave().
+  // One a frame, then the stop of the cycle and that of farewell().
   EXPECT_EQ(result.commands.size(), 302U);
   expect_stopped(drive);
 }

@@ -56,6 +56,7 @@ class DamagedStream final : public ByteStream {
   }
   void discard_input() override { stream_->discard_input(); }
   bool drain(rt::Duration timeout) override { return stream_->drain(timeout); }
+  void sleep(rt::Duration duration) override { stream_->sleep(duration); }
 
  private:
   ByteStream* stream_;

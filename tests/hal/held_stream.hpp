@@ -46,6 +46,7 @@ class HeldStream final : public ByteStream {
     ready_ = 0;
   }
   bool drain(rt::Duration timeout) override { return link_->drain(timeout); }
+  void sleep(rt::Duration duration) override { link_->sleep(duration); }
 
  private:
   struct Held {

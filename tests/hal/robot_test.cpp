@@ -3,6 +3,7 @@
 #include "hal/robot.hpp"
 
 #include <atomic>
+#include <cerrno>
 #include <functional>
 #include <memory>
 #include <semaphore>
@@ -76,11 +77,11 @@ TEST_F(RobotTest, DrivesAndIsLeftStanding) {
   wait_for_end(**robot);
   const Robot::Farewell farewell = (*robot)->stop();
   EXPECT_EQ(farewell.end, CycleEnd::asked);
-  EXPECT_TRUE(farewell.confirmed_passive);
+  EXPECT_TRUE(farewell.robot.standing());
   EXPECT_EQ(driver.calls, 100);
   EXPECT_EQ((*robot)->cycle().frames().good, 100U);
   expect_standing_in_passive();
-  EXPECT_EQ((*robot)->stop().confirmed_passive, true) << "a second stop does nothing";
+  EXPECT_TRUE((*robot)->stop().robot.standing()) << "a second stop does nothing";
 }
 
 TEST_F(RobotTest, IsStoppedByItsDestructor) {
@@ -109,7 +110,7 @@ TEST_F(RobotTest, IsStoppedFromOutside) {
   Driver driver{.robot = robot->get(), .frames = 1'000'000'000};
   ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
   while (driver.calls < 50) std::this_thread::yield();
-  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+  EXPECT_TRUE((*robot)->stop().robot.standing());
   EXPECT_TRUE((*robot)->ended());
   expect_standing_in_passive();
 }
@@ -164,7 +165,7 @@ TEST_F(RobotTest, FollowsSetpointsFromAnotherThread) {
   for (int i = 0; i < kPatience && !cycle.state()->setpoint_lapsed; ++i) turns.give_one();
   EXPECT_TRUE(cycle.state()->setpoint_lapsed);
   turns.end();
-  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+  EXPECT_TRUE((*robot)->stop().robot.standing());
   expect_standing_in_passive();
 }
 
@@ -176,7 +177,7 @@ TEST_F(RobotTest, SaysThatThePortHungUp) {
   wait_for_end(**robot);
   const Robot::Farewell farewell = (*robot)->stop();
   EXPECT_EQ(farewell.end, CycleEnd::hung_up);
-  EXPECT_FALSE(farewell.confirmed_passive);
+  EXPECT_FALSE(farewell.robot.standing());
 }
 
 TEST_F(RobotTest, SaysThatTheRobotLeftItsMode) {
@@ -188,7 +189,7 @@ TEST_F(RobotTest, SaysThatTheRobotLeftItsMode) {
   wait_for_end(**robot);
   const Robot::Farewell farewell = (*robot)->stop();
   EXPECT_EQ(farewell.end, CycleEnd::mode_lost);
-  EXPECT_TRUE(farewell.confirmed_passive);
+  EXPECT_TRUE(farewell.robot.standing());
   expect_standing_in_passive();
 }
 
@@ -222,7 +223,7 @@ TEST_F(RobotTest, GoesOnWithoutTheCpuAskedFor) {
   EXPECT_FALSE(grant->cpu.has_value());
   EXPECT_FALSE(grant->refusals.empty());
   wait_for_end(**robot);
-  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+  EXPECT_TRUE((*robot)->stop().robot.standing());
 }
 
 // Memory that was not asked to be locked is not locked: as good as a refusal.
@@ -250,22 +251,42 @@ TEST_F(RobotTest, IsNotOpenedWhereItDoesNotAnswer) {
 }
 
 TEST(CycleEndText, SaysWhatToDo) {
-  EXPECT_EQ(explain({.end = CycleEnd::asked}), "");
+  constexpr Discharge kStands{.parting = Parting::standing};
+  EXPECT_EQ(explain({.end = CycleEnd::asked, .robot = kStands}), "");
+  EXPECT_NE(explain({.end = CycleEnd::asked}).find("it may be moving"), std::string::npos);
   for (const CycleEnd end : {CycleEnd::link_lost, CycleEnd::mode_lost, CycleEnd::hung_up}) {
-    const std::string text = explain({.end = end});
+    const std::string text = explain({.end = end, .robot = kStands});
     EXPECT_NE(text.find("start again"), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
   }
   EXPECT_NE(explain({.end = CycleEnd::control_overrun}).find("control_budget"), std::string::npos);
+  EXPECT_NE(explain({.end = CycleEnd::hung_up, .port_error = EBADF}).find("close_range()"),
+            std::string::npos);
+}
+
+TEST(CycleEndText, SaysWhatBecameOfTheRobot) {
+  for (const CycleEnd end : {CycleEnd::link_lost, CycleEnd::mode_lost, CycleEnd::hung_up,
+                             CycleEnd::guarded, CycleEnd::control_overrun, CycleEnd::guard_lost}) {
+    EXPECT_EQ(explain({.end = end, .robot = {.parting = Parting::standing}}).find("; the robot"),
+              std::string::npos);
+    EXPECT_TRUE(explain({.end = end, .robot = {.parting = Parting::standing, .by_guard = true}})
+                    .ends_with("; the robot was stopped by its guard"));
+    for (const Parting left : {Parting::unconfirmed, Parting::port_gone}) {
+      EXPECT_TRUE(explain({.end = end, .robot = {.parting = left, .by_guard = true}})
+                      .ends_with("; the robot could not be reached: it may be moving"));
+    }
+  }
 }
 
 TEST(CycleEndText, NamesTheCauseOfALostMode) {
-  EXPECT_EQ(
-      explain({.end = CycleEnd::mode_lost, .causes = Hazards{}.with(Hazard::cliff_front_left)}),
-      "a cliff at the front left: the robot stopped and left its mode; move it away from the "
-      "edge, then start again");
+  constexpr Discharge kStands{.parting = Parting::standing};
+  EXPECT_EQ(explain({.end = CycleEnd::mode_lost,
+                     .robot = kStands,
+                     .causes = Hazards{}.with(Hazard::cliff_front_left)}),
+            "a cliff at the front left: the robot stopped and left its mode; move it away from the "
+            "edge, then start again");
   const auto lifted = Hazards{}.with(Hazard::cliff_left).with(Hazard::wheel_drop_right);
-  EXPECT_EQ(explain({.end = CycleEnd::mode_lost, .causes = lifted}),
+  EXPECT_EQ(explain({.end = CycleEnd::mode_lost, .robot = kStands, .causes = lifted}),
             "the right wheel hangs in the air and a cliff at the left: the robot stopped and left "
             "its mode; set it on its wheels, then start again");
   EXPECT_NE(explain({.end = CycleEnd::mode_lost, .causes = Hazards{}.with(Hazard::charger)})

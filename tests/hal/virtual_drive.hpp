@@ -9,7 +9,7 @@
 
 #include "hal/bring_up.hpp"
 #include "hal/control_cycle.hpp"
-#include "hal/leave.hpp"
+#include "hal/farewell.hpp"
 #include "hal/sim/device.hpp"
 #include "hal/sim/virtual_link.hpp"
 #include "oi/stream_budget.hpp"
@@ -71,7 +71,8 @@ class VirtualDrive {
     EXPECT_FALSE(link.set_wake_threshold(1));
     line.damage = {};
     line.carry = {};
-    result_.confirmed_passive = leave(line);
+    result_.confirmed_passive =
+        farewell(line, {.bytes = cycle_->owed_bytes()}) == Parting::standing;
     expect_one_command_a_tick();
     collect();
     return result_;

@@ -46,6 +46,7 @@ class MemoryStream final : public hal::ByteStream {
   std::error_code set_wake_threshold(std::size_t /*bytes*/) override { return {}; }
   void discard_input() override {}
   bool drain(rt::Duration /*timeout*/) override { return true; }
+  void sleep(rt::Duration /*duration*/) override {}
 
  private:
   static constexpr int kTickMs = 15;

@@ -34,9 +34,14 @@ class GuardTest : public DriveTest {
     return std::move(*stream);
   }
   static std::unique_ptr<hal::Guard> guard_over(const hal::ByteStream& stream) {
-    auto guard = hal::Guard::start(stream.terminal(), {}, 0);
+    auto guard = hal::Guard::start(stream.terminal(), {}, 0, 57600);
     EXPECT_TRUE(guard) << guard.failure().message;
     return std::move(*guard);
+  }
+  static pid_t guard_of(const Command& command) {
+    const std::string process = std::to_string(command.process());
+    const std::string children = contents("/proc/" + process + "/task/" + process + "/children");
+    return static_cast<pid_t>(std::strtol(children.c_str(), nullptr, 10));
   }
   // A thread that drives, does that, and is gone without a word.
   static void drive_and_vanish(hal::Guard& guard, const std::function<void(hal::GuardMark)>& deed) {
@@ -77,7 +82,7 @@ TEST_F(GuardTest, StopsTheRobotOfADriveThatIsSuspended) {
   const std::size_t before = drives().size();
   command.send(SIGCONT);
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("its guard stopped the robot"));
+  EXPECT_THAT(command.err(), OneErrorLine("the robot was stopped by its guard"));
   EXPECT_EQ(drives().size(), before) << "it has no more to say";
   EXPECT_EQ(mode(), oi::Mode::passive);
 }
@@ -106,7 +111,7 @@ TEST_F(GuardTest, CompletesAHalfSentCommand) {
     EXPECT_LE(std::abs(record.command.right_mm_s), 100.0);
   }
   EXPECT_TRUE(guard->took_robot());
-  EXPECT_TRUE(guard->confirmed_passive());
+  EXPECT_EQ(guard->parting(), hal::Parting::standing);
 }
 
 TEST_F(GuardTest, StopsARobotThatMissedTheFirstStop) {
@@ -122,7 +127,7 @@ TEST_F(GuardTest, TakesNothingFromAThreadThatLeaves) {
   const auto guard = guard_over(*stream);
   guard->begin_driving();
   hal::GuardMark mark = guard->mark();
-  EXPECT_TRUE(mark.beat(rt::Clock::now()));
+  EXPECT_EQ(mark.beat(rt::Clock::now()), hal::GuardMark::Robot::ours);
   guard->end_driving();
   EXPECT_FALSE(guard->took_robot());
   guard->release();
@@ -135,22 +140,33 @@ TEST_F(GuardTest, LetsNothingBeSentOnceItHasTakenTheRobot) {
   const auto guard = guard_over(*stream);
   drive_and_vanish(*guard, [](hal::GuardMark) {});
   ASSERT_TRUE(eventually([&guard] { return guard->took_robot(); }));
-  EXPECT_FALSE(guard->mark().beat(rt::Clock::now()));
+  EXPECT_EQ(guard->mark().beat(rt::Clock::now()), hal::GuardMark::Robot::taken);
   EXPECT_FALSE(guard->mark().begin_write(5));
 }
 
 TEST_F(GuardTest, IsMissedWhereItDies) {
   Command command{drive({"--duration", "60"})};
   ASSERT_TRUE(starts_to_move());
-  const std::string children = contents("/proc/" + std::to_string(command.process()) + "/task/" +
-                                        std::to_string(command.process()) + "/children");
-  const auto guard = static_cast<pid_t>(std::strtol(children.c_str(), nullptr, 10));
-  ASSERT_GT(guard, 0) << children;
+  const pid_t guard = guard_of(command);
+  ASSERT_GT(guard, 0);
   kill(guard, SIGKILL);
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("guard process died"));
+  EXPECT_THAT(command.err(), OneErrorLine("the guard process died or was suspended"));
   EXPECT_EQ(mode(), oi::Mode::passive);
   EXPECT_TRUE(stands_still());
+}
+
+TEST_F(GuardTest, IsMissedWhereItIsSuspended) {
+  Command command{drive({"--duration", "60"})};
+  ASSERT_TRUE(starts_to_move());
+  const pid_t guard = guard_of(command);
+  ASSERT_GT(guard, 0);
+  kill(guard, SIGSTOP);
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), OneErrorLine("the guard process died or was suspended"));
+  EXPECT_EQ(mode(), oi::Mode::passive);
+  EXPECT_TRUE(stands_still());
+  EXPECT_FALSE(std::filesystem::exists("/proc/" + std::to_string(guard))) << "not left behind";
 }
 
 TEST_F(GuardTest, IsNotDoneWithout) {
@@ -158,8 +174,7 @@ TEST_F(GuardTest, IsNotDoneWithout) {
   Command command{drive({"--duration", "0.3"})};
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.err(), OneErrorLine("would have no guard"));
-  EXPECT_TRUE(drives().empty() || stands_still());
-  EXPECT_EQ(mode(), oi::Mode::passive);
+  EXPECT_EQ(server_->snapshot().device.bytes_received, 0U) << "nothing is sent without a guard";
   Command on_its_own_risk{drive({"--duration", "0.3", "--no-guard"})};
   EXPECT_EQ(on_its_own_risk.exit_code(), 0) << on_its_own_risk.err();
   unsetenv("CARGOBAY_GUARD");  // NOLINT(concurrency-mt-unsafe): as above

@@ -109,7 +109,7 @@ TEST_F(SendTool, StopsTheWheelsAfterTheDuration) {
   EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
   EXPECT_FALSE(turning());
   const hal::sim::Snapshot after = server_->snapshot();
-  EXPECT_EQ(after.mode, oi::Mode::safe);
+  EXPECT_EQ(after.mode, oi::Mode::passive) << "Safe does not charge";
   EXPECT_GT(std::abs(after.truth.pose.heading_rad), 0.01) << "they did turn";
 }
 

@@ -92,6 +92,7 @@ class UncountedLink final : public ByteStream {
   }
   void discard_input() override { link_.discard_input(); }
   bool drain(rt::Duration timeout) override { return link_.drain(timeout); }
+  void sleep(rt::Duration duration) override { link_.sleep(duration); }
 
   std::int64_t waits = 0;
   ControlCycle* cycle = nullptr;
@@ -208,7 +209,7 @@ PtyRun run_over_pty(std::int64_t frames, void (*also)() = nullptr) {
   const auto grant = (*robot)->start({.function = &Counted::control, .context = &counted});
   EXPECT_TRUE(grant) << grant.failure().message;
   while (!(*robot)->ended()) poll(nullptr, 0, 10);
-  EXPECT_TRUE((*robot)->stop().confirmed_passive);
+  EXPECT_TRUE((*robot)->stop().robot.standing());
   return {.calls = counted.calls,
           .guarded = counted.guarded,
           .memory_locked = grant->memory_locked,

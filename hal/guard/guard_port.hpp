@@ -1,0 +1,40 @@
+// The guard's port: the descriptor that it was started with, as a stream.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+#include "hal/guard_block.hpp"
+#include "hal/tty_speed.hpp"
+#include "hal/tty_stream.hpp"
+#include "oi/baud.hpp"
+
+namespace cargobay::hal {
+
+// Beats while it waits, so that whoever waits for the guard sees that it lives.
+class GuardPort final : public TtyStream {
+ public:
+  // The block outlives it.
+  explicit GuardPort(GuardBlock& block)
+      : TtyStream{GuardBlock::kPort, tty_speed(GuardBlock::kPort).value_or(oi::kBrcBaud), nullptr},
+        block_{block} {}
+
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+    for (;;) {
+      block_.guard_beat_ns.store(rt::nanoseconds(now()), std::memory_order_relaxed);
+      const Wait woken = TtyStream::wait(std::min<rt::TimePoint>(deadline, now() + kSlice));
+      if (woken != Wait::timed_out || now() >= deadline) return woken;
+    }
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kSlice{100};
+
+  std::error_code apply_baud(std::uint32_t baud) override {
+    return set_tty_speed(descriptor(), baud);
+  }
+
+  GuardBlock& block_;
+};
+
+}  // namespace cargobay::hal
