@@ -77,7 +77,10 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
     (void)tell(stream, query);
     answer = receive(stream, size, timeout);
   }
-  if (streamed) (void)tell(stream, oi::PauseResumeStream{oi::StreamState::resume});
+  if (streamed) {
+    (void)tell(stream, oi::PauseResumeStream{oi::StreamState::resume});
+    (void)stream.wait(stream.now() + kQuiet);  // heard, before the port may get another rate
+  }
   if (answer.size() != size) return no_answer(stream);
   oi::SensorValues values;
   std::span<const std::uint8_t> rest{answer};
@@ -115,6 +118,9 @@ Result<std::unique_ptr<SensorStream>> SensorStream::open(ByteStream& stream,
 
 SensorStream::~SensorStream() {
   (void)tell(stream_, oi::PauseResumeStream{oi::StreamState::pause});
+  // Whoever closes the port next sets it as it was found: until the robot is silent this may still
+  // be on its way, and would arrive at another rate.
+  (void)settle(stream_);
 }
 
 Result<oi::SensorValues> SensorStream::next() {

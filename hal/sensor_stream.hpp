@@ -24,7 +24,7 @@ class SensorStream {
   // Blocks for up to 1 s.
   static Result<std::unique_ptr<SensorStream>> open(ByteStream& stream,
                                                     std::span<const oi::PacketId> packets);
-  // Pauses the stream.
+  // Pauses the stream and waits until the robot is silent: 40 ms, up to 0.5 s if it never is.
   ~SensorStream();
   SensorStream(const SensorStream&) = delete;
   SensorStream& operator=(const SensorStream&) = delete;
