@@ -28,6 +28,8 @@ from harness import Build, Watched, command, owner, watched  # noqa: E402
 from virtual_create import ALLOWANCE_S, STOP_S, VirtualCreate  # noqa: E402
 
 PHASES = ("bring_up", "drive", "leave")
+# In these it is the guard that meets the fault: its program was killed, or suspended.
+GUARDED = ("killed", "hung")
 # Half of them the command; what is linked is one library.
 DRIVERS = ("command", "command", "command", "c", "c", "cpp", "python")
 # What a kernel may say to each, by its manual pages and the tty layer's sources; SHORT: one byte of
@@ -59,14 +61,14 @@ _SPARE = 0.1
 def start(create, driver, phase, environment):
     """Drives for half a second; to be killed, for as long as it takes."""
     if driver == "command":
-        duration = "30" if phase == "guard" else "0.5"
+        duration = "30" if phase in GUARDED else "0.5"
         return command(create, "drive", "--duration", duration, environment=environment)
-    way = "until_the_end" if phase == "guard" else "finish"
+    way = "until_the_end" if phase in GUARDED else "finish"
     return owner(create, driver, "driving", way, environment=environment)
 
 
 def count_calls(driver):
-    """How often each call is made in each phase; in that of the guard, which has to be needed."""
+    """How often each call is made in each phase, and by a guard that is needed."""
     with VirtualCreate(Build.path("cargobay")) as create:
         with start(create, driver, "leave", watched(create)) as program:
             if code := program.end(20.0):
@@ -74,7 +76,7 @@ def count_calls(driver):
             create.settles(program.ended_at)
         counts = Watched(create).counts
     with VirtualCreate(Build.path("cargobay")) as create:
-        with start(create, driver, "guard", watched(create)) as program:
+        with start(create, driver, "killed", watched(create)) as program:
             if not create.drives():
                 raise RuntimeError(f"{driver} does not drive: {program.err}")
             program.send(signal.SIGKILL)
@@ -83,7 +85,9 @@ def count_calls(driver):
             create.wait_for_port()
         guard = Watched(create).counts
     calls = {key: count for key, count in counts.items() if key[0] in PHASES}
-    return calls | {key: count for key, count in guard.items() if key[0] == "guard"}
+    for phase in GUARDED:
+        calls |= {(phase, call): count for (who, call), count in guard.items() if who == "guard"}
+    return calls
 
 
 class Run:
@@ -96,7 +100,7 @@ class Run:
         self.call = call
         self.at = int(at)
         self.error = error
-        self.kill_after_s = random.Random(number).uniform(0.05, 0.3)
+        self.deed_after_s = random.Random(number).uniform(0.05, 0.3)
         self.injected = self.guard_stopped = False
         self.exit_code = 0
         self.stop_s = 0.0
@@ -106,7 +110,7 @@ class Run:
     def draw(cls, seed, number, counts):
         chance = random.Random(f"{seed} {number}")
         driver = chance.choice(DRIVERS)
-        phase = chance.choice((*PHASES, "guard"))
+        phase = chance.choice((*PHASES, *GUARDED))
         call = chance.choice(sorted(call for when, call in counts[driver] if when == phase))
         most = counts[driver][phase, call]
         at = chance.randint(1, max(1, round(most * (1.0 - _SPARE))))
@@ -117,48 +121,48 @@ class Run:
 
     def _plan(self, create):
         error = getattr(errno, self.error, self.error)
-        if self.phase == "guard":
+        if self.phase in GUARDED:
             return watched(create, who="guard", call=self.call, at=self.at, error=error)
         return watched(create, phase=self.phase, call=self.call, at=self.at, error=error)
 
     def carry_out(self):
         with VirtualCreate(Build.path("cargobay"), "--seed", str(self.number)) as create:
-            found = create.set_aside()
             with start(create, self.driver, self.phase, self._plan(create)) as program:
                 try:
-                    if self.phase == "guard":
+                    if self.phase in GUARDED:
                         create.drives()
-                        time.sleep(self.kill_after_s)
+                        time.sleep(self.deed_after_s)
+                    if self.phase == "killed":
                         program.send(signal.SIGKILL)
+                    if self.phase == "hung":
+                        self.stop_s = create.settles(program.send(signal.SIGSTOP))
+                        program.send(signal.SIGCONT)
                     self.exit_code = program.end(15.0)
                 except AssertionError as hangs:
                     self.troubles.append(str(hangs))
                     return
-                self._judge(create, program, found)
+                self._judge(create, program)
 
-    def _judge(self, create, program, found):
+    def _judge(self, create, program):
         say = self.troubles.append
         ended_at = program.ended_at
         took_s = create.settles(ended_at)
         log = Watched(create)
         self.injected = log.fault_at is not None
         self.guard_stopped = log.guard_stops
-        self.stop_s = took_s
+        if self.phase != "hung":
+            self.stop_s = took_s
+        if self.phase == "drive" and self.injected and self.exit_code != 0:
+            self.stop_s = create.settles(log.fault_at)  # older than the end of the program
         if took_s is None:
             say(f"the robot is {create.now()}")
-        elif took_s > STOP_S + ALLOWANCE_S:
-            say(f"told to stop {1e3 * took_s:.0f} ms after the end")
-        elif self.phase == "drive" and self.injected and self.exit_code != 0:
-            # What ended the drive is older than the end of the program.
-            self.stop_s = create.settles(log.fault_at)
-            if self.stop_s is None or self.stop_s > STOP_S + ALLOWANCE_S:
-                say(f"told to stop {self.stop_s} s after the fault")
-        settings = None if self.call in SETTINGS else found
-        for trouble in create.wait_for_port(settings):
+        elif self.stop_s is None or self.stop_s > STOP_S + ALLOWANCE_S:
+            say(f"told to stop after {self.stop_s} s only")
+        for trouble in create.wait_for_port(settings_too=self.call not in SETTINGS):
             say(trouble)
         if create.now().unknown_opcodes > log.zeros and not create.now().framing_errors:
             say(f"{create.now().unknown_opcodes} bytes were no command, {log.zeros} of them filled")
-        if self.phase == "guard":
+        if self.phase == "killed":
             return
         if self.exit_code < 0 or self.exit_code > 1:
             say(f"exit code {self.exit_code}")
@@ -177,18 +181,16 @@ def worst(runs):
 
 def table(runs):
     """Markdown: a row for each call, error and phase."""
+    phases = (*PHASES, *GUARDED)
     rows = collections.defaultdict(list)
     for run in runs:
-        rows[((*PHASES, "guard").index(run.phase), run.call, run.error)].append(run)
-    lines = ["| phase | call | error | runs | met | drove on | reported | killed | stopped by guard "
-             "| worst, ms | failed |", "|" + "---|" * 11]
+        rows[phases.index(run.phase), run.call, run.error].append(run)
+    lines = ["| phase | call | error | runs | met | drove on | reported | stopped by guard "
+             "| worst, ms | failed |", "|" + "---|" * 10]
     for (phase, call, error), some in sorted(rows.items()):
-        name = (*PHASES, "guard")[phase]
         met = [run for run in some if run.injected]
-        killed = len(met) if name == "guard" else 0
-        cells = (name.replace("_", "-"), f"`{call}`", error, len(some), len(met),
-                 sum(run.exit_code == 0 for run in met),
-                 sum(run.exit_code > 0 for run in met), killed,
+        cells = (phases[phase].replace("_", "-"), f"`{call}`", error, len(some), len(met),
+                 sum(run.exit_code == 0 for run in met), sum(run.exit_code > 0 for run in met),
                  sum(run.guard_stopped for run in met),
                  worst(met),
                  sum(bool(run.troubles) for run in some))

@@ -15,7 +15,7 @@ import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from harness import (SIGNALS, Watched, case, check, check_at_rest, check_stands,  # noqa: E402
+from harness import (SIGNALS, Watched, alone, case, check, check_at_rest, check_stands,  # noqa: E402
                      command, driver, owner, run, watched)
 from virtual_create import ALLOWANCE_S  # noqa: E402
 
@@ -109,6 +109,40 @@ def watcher_is_killed(create, words, name):
         since = program.send(SIGNALS[name])
         program.end(3.0)
         check_at_rest(create, since)
+
+
+@each(OWNERS)
+def is_suspended(create, interface):
+    """Its guard stops the robot, and it has nothing more to say when it is woken."""
+    with driver(create, interface) as program:
+        since = program.send(signal.SIGSTOP)
+        took_s = create.settles(since)
+        check(took_s is not None, f"the robot is {create.now()}")
+        program.send(signal.SIGCONT)
+        told(program, "guard")
+        check(program.value("wait")[0] == _STALLED, f"not STALLED: {program.out}")
+        check_at_rest(create, program.ended_at)
+
+
+@each(INTERFACES)
+def is_suspended_and_killed(create, interface):
+    """The guard has stopped the robot when its program dies: the port is still to be put back."""
+    with driver(create, interface) as program:
+        took_s = create.settles(program.send(signal.SIGSTOP))
+        check(took_s is not None, f"the robot is {create.now()}")
+        program.send(signal.SIGKILL)
+        program.end()
+        check_at_rest(create, program.ended_at)
+
+
+@each(INTERFACES)
+def port_is_gone(create, interface):
+    """For everybody: no stop can reach the robot, and nothing claims that it did."""
+    with driver(create, interface) as program:
+        guard = pathlib.Path("/proc", str(create.guard()))
+        create.unplug()
+        told(program, "port")
+        check(not guard.exists(), "the guard waits for the port")
 
 
 def told(program, word):
@@ -234,6 +268,7 @@ def descriptors_are_used_for_a_terminal(create):
 
 
 @each(OWNERS)
+@alone
 def control_never_returns(create, interface):
     with owner(create, interface, "driving", "endless") as program:
         program.says("driving")

@@ -31,6 +31,12 @@ class Skip(Exception):
     """This machine or user cannot try it."""
 
 
+def alone(function):
+    """Of a case that takes a processor for itself: it is run when the others are done."""
+    function.alone = True
+    return function
+
+
 def check(holds, words):
     if not holds:
         raise AssertionError(words)
@@ -213,8 +219,10 @@ def run():
     Build.folder = pathlib.Path(options.build).resolve()
     chosen = [each for each in _cases if re.search(options.only, each[0])]
     begin = time.monotonic()
+    beside = [each for each in chosen if not hasattr(each[1], "alone")]
     with concurrent.futures.ThreadPoolExecutor(options.lanes) as lanes:
-        verdicts = list(lanes.map(lambda each: _run(*each), chosen))
+        verdicts = list(lanes.map(lambda each: _run(*each), beside))
+    verdicts += [_run(*each) for each in chosen if each not in beside]
     failed, skipped = verdicts.count("FAIL"), verdicts.count("skip")
     print(f"{len(verdicts) - failed - skipped} passed, {failed} failed, {skipped} skipped "
           f"in {time.monotonic() - begin:.0f} s")

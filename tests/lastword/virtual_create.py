@@ -73,6 +73,7 @@ class VirtualCreate:
         self._samples = []  # (CLOCK_MONOTONIC, Sample)
         self._closing = threading.Event()
         self.device = os.stat(self.link).st_rdev
+        self._found = self._set_up_port()
         self._sample()
         self._watcher = threading.Thread(target=self._watch, daemon=True)
         self._watcher.start()
@@ -98,6 +99,11 @@ class VirtualCreate:
     @property
     def folder(self):
         return self._folder
+
+    def unplug(self):
+        """The port goes. Its number may be another's at once: nothing is looked for any more."""
+        self.device = None
+        self.say("fault unplugged")
 
     def say(self, line):
         with self._lock:
@@ -161,6 +167,8 @@ class VirtualCreate:
     def users(self):
         """Processes, apart from the virtual Create, that have its port open."""
         found = []
+        if self.device is None:
+            return found
         for entry in pathlib.Path("/proc").iterdir():
             if not entry.name.isdigit() or int(entry.name) in (self._sim.pid, os.getpid()):
                 continue
@@ -184,7 +192,7 @@ class VirtualCreate:
             time.sleep(0.01)
         raise RuntimeError("no guard has the port open")
 
-    def set_aside(self):
+    def _set_up_port(self):
         """Gives the port settings that nothing of ours would choose; returns them."""
         with self._open() as port:
             settings = termios.tcgetattr(port)
@@ -194,8 +202,7 @@ class VirtualCreate:
             termios.tcsetattr(port, termios.TCSANOW, settings)
             return termios.tcgetattr(port)
 
-    def port_troubles(self, found=None):
-        """What keeps the next program from the port, and what was not put back, as words."""
+    def _port_troubles(self, settings_too):
         troubles = []
         with self._open() as port:
             try:
@@ -205,14 +212,14 @@ class VirtualCreate:
             exclusive = struct.unpack("i", fcntl.ioctl(port, _TIOCGEXCL, b"\0" * 4))[0]
             if exclusive:
                 troubles.append("the port is exclusive")
-            if found is not None and termios.tcgetattr(port) != found:
+            if settings_too and termios.tcgetattr(port) != self._found:
                 troubles.append("the port is not set as it was found")
         return troubles
 
-    def wait_for_port(self, found=None, timeout_s=1.5):
-        """Waits until there are none of these troubles; returns those that stay."""
+    def wait_for_port(self, settings_too=True, timeout_s=1.5):
+        """Waits until the port is free, and set as the program had found it: what is wrong then."""
         limit = time.monotonic() + timeout_s
-        while (troubles := self.port_troubles(found)) and time.monotonic() < limit:
+        while (troubles := self._port_troubles(settings_too)) and time.monotonic() < limit:
             time.sleep(0.02)
         return troubles
 
