@@ -52,8 +52,8 @@ ERRORS = {
     "tcdrain": ("EIO", "EBADF", "EINTR", "ENOTTY"),
     "isatty": ("EIO", "EBADF"),
 }
-# These put the port's settings back: failing, they may not have.
-SETTINGS = ("ioctl", "tcgetattr", "tcsetattr", "fcntl")
+# These put the port's settings back, or tell that it is the port: failing, they may not have.
+SETTINGS = ("ioctl", "tcgetattr", "tcsetattr", "fcntl", "fstat")
 # Of the calls that were counted so many are not drawn: a drive has a frame more or less.
 _SPARE = 0.1
 

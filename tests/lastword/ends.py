@@ -171,14 +171,13 @@ def guard_is_lost_before_the_start(create):
         program.says("open")
         guard = create.guard()
         os.kill(guard, signal.SIGKILL)
-        since = time.monotonic()
         if create.drives(2.0):
             check(create.guard() != guard, "it drives without a guard")
-            since = program.send(signal.SIGKILL)
+            program.send(signal.SIGKILL)
+            program.end()
         else:
             told(program, "guard")
-        program.end()
-        check_at_rest(create, since)
+        check_at_rest(create, program.ended_at)
 
 
 @each(("opened", "driving"))
