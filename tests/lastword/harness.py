@@ -155,18 +155,18 @@ def driver(create, interface, environment=None):
     return program
 
 
-def check_stands(create, since, quiet=Sample.quiet):
-    """Told to stop in time, at rest, and the port free."""
+def check_stands(create, since, quiet=Sample.quiet, settings_too=True):
+    """Told to stop in time, at rest, the port free and, unless told otherwise, as it was found."""
     took_s = create.settles(since, quiet)
     check(took_s is not None, f"the robot is {create.now()}")
     check(took_s <= STOP_S + ALLOWANCE_S, f"told to stop after {1e3 * took_s:.0f} ms only")
-    troubles = create.wait_for_port()
+    troubles = create.wait_for_port(settings_too)
     check(not troubles, "; ".join(troubles))
 
 
-def check_at_rest(create, since):
+def check_at_rest(create, since, settings_too=True):
     """The last word: all of that, and silent."""
-    check_stands(create, since)
+    check_stands(create, since, settings_too=settings_too)
     check(not create.now().streaming, f"the robot is {create.now()}")
 
 
