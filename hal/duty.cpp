@@ -45,13 +45,13 @@ Discharge Duty::discharge_after(Parting left) {
   } else if (left != Parting::standing && guard_->alive()) {
     discharged_ = Discharge{.parting = guard_->hand_over(), .by_guard = true};
   }
-  guard_->release();
+  guard_->robot_is_left();
   return *discharged_;
 }
 
 void Duty::waive() {
   discharged_ = Discharge{};
-  if (guard_) guard_->release();
+  if (guard_) guard_->robot_is_left();
 }
 
 }  // namespace cargobay::hal

@@ -61,16 +61,17 @@ void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& option
 
 // Returns an errno. The child's descriptors are those of the block and of the port alone: it keeps
 // neither the user's terminal nor a pipe of theirs open.
-int spawn(const std::string& program, int port, int block, pid_t& process) {
+int spawn(const std::string& program, int port, int block, int owner, pid_t& process) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_init(&files);
   posix_spawnattr_init(&attributes);
   posix_spawn_file_actions_adddup2(&files, port, GuardBlock::kPort);
   posix_spawn_file_actions_adddup2(&files, block, GuardBlock::kBlock);
+  posix_spawn_file_actions_adddup2(&files, owner, GuardBlock::kOwner);
   for (const int number : {0, 1, 2})
     posix_spawn_file_actions_addopen(&files, number, "/dev/null", O_RDWR, 0);
-  posix_spawn_file_actions_addclosefrom_np(&files, GuardBlock::kBlock + 1);
+  posix_spawn_file_actions_addclosefrom_np(&files, GuardBlock::kOwner + 1);
   sigset_t all;
   sigfillset(&all);
   posix_spawnattr_setsigmask(&attributes, &all);
@@ -93,30 +94,24 @@ Result<std::unique_ptr<Guard>> Guard::start(const ByteStream::Terminal& terminal
   if (!found) return no_guard(found.failure().message);
   const std::string& program = *found;
   const StandardNumbersTaken taken;
-  // Above the numbers that the child gives them, so that neither overwrites the other.
-  constexpr int kHigh = 16;
-  const int shared = memfd_create("cargobay-guard", MFD_CLOEXEC);
-  const int block_file = shared < 0 ? -1 : fcntl(shared, F_DUPFD_CLOEXEC, kHigh);
-  const int port = fcntl(terminal.descriptor, F_DUPFD_CLOEXEC, kHigh);
-  const auto close_all = [&] {
-    for (const int descriptor : {shared, block_file, port}) {
-      if (descriptor >= 0) close(descriptor);
-    }
-  };
+  const PortDescriptor shared = PortDescriptor::adopt(memfd_create("cargobay-guard", MFD_CLOEXEC));
+  const PortDescriptor port = PortDescriptor::duplicate(terminal.descriptor);
+  std::array<int, 2> pipe{-1, -1};
+  if (pipe2(pipe.data(), O_CLOEXEC) != 0) return no_guard(std::generic_category().message(errno));
+  const PortDescriptor watched = PortDescriptor::adopt(pipe[0]);
+  PortDescriptor owner = PortDescriptor::adopt(pipe[1]);
   void* memory = MAP_FAILED;
-  if (block_file >= 0 && port >= 0 && ftruncate(block_file, sizeof(GuardBlock)) == 0) {
-    memory = mmap(nullptr, sizeof(GuardBlock), PROT_READ | PROT_WRITE, MAP_SHARED, block_file, 0);
+  if (port.number() >= 0 && ftruncate(shared.number(), sizeof(GuardBlock)) == 0) {
+    memory =
+        mmap(nullptr, sizeof(GuardBlock), PROT_READ | PROT_WRITE, MAP_SHARED, shared.number(), 0);
   }
-  if (memory == MAP_FAILED) {
-    const std::error_code error{errno, std::generic_category()};
-    close_all();
-    return no_guard(error.message());
-  }
+  if (memory == MAP_FAILED) return no_guard(std::generic_category().message(errno));
   (void)madvise(memory, sizeof(GuardBlock), MADV_DONTFORK);  // a child has no business with it
   std::unique_ptr<Guard> guard{new Guard{new (memory) GuardBlock}};
   prepare(*guard->block_, *terminal.lock, options, priority, baud);
-  const int error = spawn(program, port, block_file, guard->process_);
-  close_all();
+  guard->owner_ = std::move(owner);
+  const int error =
+      spawn(program, port.number(), shared.number(), watched.number(), guard->process_);
   if (error != 0) {
     guard->process_ = -1;
     return no_guard("cannot start " + program + ": " + std::generic_category().message(error));
@@ -159,7 +154,7 @@ void Guard::end_driving() {
 
 bool Guard::took_robot() {
   if (block_->state.load(std::memory_order_acquire) != GuardState::taken) return false;
-  collect(kFarewellTimeout);
+  wait_until_done();
   return true;
 }
 
@@ -168,18 +163,27 @@ Parting Guard::hand_over() {
   while (expected != GuardState::taken &&
          !block_->state.compare_exchange_weak(expected, GuardState::handed_over)) {
   }
-  collect(kFarewellTimeout);
+  wait_until_done();
   return parting();
 }
 
 Parting Guard::parting() const { return block_->parting.load(std::memory_order_acquire); }
 
+void Guard::robot_is_left() {
+  GuardState expected = block_->state.load(std::memory_order_acquire);
+  while (expected != GuardState::taken &&
+         !block_->state.compare_exchange_weak(expected, GuardState::left)) {
+  }
+}
+
 void Guard::release() {
+  if (took_robot()) block_->state.store(GuardState::released, std::memory_order_release);
   GuardState expected = block_->state.load(std::memory_order_acquire);
   while (expected != GuardState::taken &&
          !block_->state.compare_exchange_weak(expected, GuardState::released)) {
   }
-  collect(expected == GuardState::taken ? kFarewellTimeout : rt::Duration{kEndTimeout});
+  if (expected == GuardState::taken) release();  // in this instant
+  collect();
 }
 
 bool Guard::beats() const {
@@ -187,10 +191,18 @@ bool Guard::beats() const {
   return rt::Clock::now() < beat + kSilence;
 }
 
-// It looks at its state every 20 ms, and beats while it stops a robot too. One that does not end,
-// or does not beat, is killed.
-void Guard::collect(rt::Duration patience) {
-  const rt::TimePoint limit = rt::Clock::now() + patience;
+// It beats while it stops a robot, too. One that does not will not get there.
+void Guard::wait_until_done() const {
+  const rt::TimePoint limit = rt::Clock::now() + kFarewellTimeout;
+  while (!block_->done.load(std::memory_order_acquire) && alive() && beats() &&
+         rt::Clock::now() < limit) {
+    nap();
+  }
+}
+
+// It looks at its state every 20 ms; one that does not end, or does not beat, is killed.
+void Guard::collect() {
+  const rt::TimePoint limit = rt::Clock::now() + kEndTimeout;
   while (process_ > 0 && alive()) {
     if (rt::Clock::now() >= limit || !beats()) kill(process_, SIGKILL);
     nap();

@@ -21,6 +21,7 @@
 #include "hal/farewell.hpp"
 #include "hal/guard_block.hpp"
 #include "hal/guard_mark.hpp"
+#include "hal/port_descriptor.hpp"
 #include "hal/result.hpp"
 #include "rt/clock.hpp"
 
@@ -67,7 +68,10 @@ class Guard {
   Parting hand_over();
   // What came of it.
   Parting parting() const;
-  // The robot stands: the guard ends, and is collected.
+  // The robot stands, or is not to be stopped: if this program dies now, only the port is put back
+  // as it was found.
+  void robot_is_left();
+  // The port is about to be closed: the guard ends, and is collected.
   void release();
 
   // Whether the process is there. From any thread; one system call.
@@ -77,10 +81,12 @@ class Guard {
   explicit Guard(GuardBlock* block) : block_{block} {}
   bool wait_until_ready() const;
   bool beats() const;
-  void collect(rt::Duration patience);
+  void wait_until_done() const;
+  void collect();
 
   GuardBlock* block_;  // a mapping of its own, which forked children do not get
   pid_t process_ = -1;
+  PortDescriptor owner_{};  // of the pipe that ends with this program
 };
 
 }  // namespace cargobay::hal

@@ -22,23 +22,26 @@ inline constexpr int kMostBacklog = 64;
 // The guard shows as often that it lives.
 inline constexpr std::chrono::milliseconds kGuardBeat{20};
 
-// Who has the robot. From `released` and `taken` there is no way back.
+// Who has the robot. From `taken` there is no way back but to `released`, the end.
 enum class GuardState : std::uint32_t {
   standing_by,  // brought up, or not driven yet
   driving,      // by a thread that holds `alive` and beats
   leaving,      // by the owner: wheels stopped, on its way to Passive
   guard_lost,   // the same, because the guard gave no sign of life
   handed_over,  // by the owner, to whom the robot did not confirm: the guard's turn
-  released,     // seen Passive or off: the guard ends
+  left,         // seen Passive or off, or not to be stopped: only the port is to be put back
+  released,     // by the owner, who closes the port: the guard ends
   taken,        // by the guard: the owner sends nothing any more
 };
 
 struct GuardBlock {
   // Changes with each change of this structure.
-  static constexpr std::uint64_t kVersion = 0x63617267'6f626104;
-  // What the guard finds open.
+  static constexpr std::uint64_t kVersion = 0x63617267'6f626106;
+  // What the guard finds open. The last is the reading end of a pipe whose other end is the owner's
+  // alone: it ends when the owner dies, or becomes another program by execve(2).
   static constexpr int kPort = 3;
   static constexpr int kBlock = 4;
+  static constexpr int kOwner = 5;
 
   std::uint64_t version = kVersion;
   pid_t owner = 0;
@@ -61,6 +64,7 @@ struct GuardBlock {
 
   // By the guard.
   std::atomic<bool> ready{false};
+  std::atomic<bool> done{false};                       // with a robot that it took
   std::atomic<std::int64_t> guard_beat_ns{0};          // CLOCK_MONOTONIC, every kGuardBeat at least
   std::atomic<Parting> parting{Parting::unconfirmed};  // once it has taken the robot
 };

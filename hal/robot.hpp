@@ -66,8 +66,8 @@ class Robot {
   struct Farewell {
     CycleEnd end = CycleEnd::asked;
     Discharge robot{};             // what became of it
-    int port_error = 0;            // errno of the call that ended the cycle; 0 if none did
     Hazards causes{};              // of mode_lost; none where no sensor said why
+    int port_error = 0;            // errno of the call that ended the cycle; 0 if none did
     std::vector<Exchange> last{};  // of kLastFrames, where the cycle ended by itself
   };
   static constexpr std::size_t kLastFrames = 10;
@@ -79,7 +79,9 @@ class Robot {
   // Then: what stop() will say of it, as far as it is known before.
   Farewell end_so_far() const {
     return {.end = cycle_end_.load(std::memory_order_relaxed),  // ended() ordered it
-            .causes = cycle_->mode_loss_causes()};
+            .robot = {.parting = Parting::standing},  // nothing to say of it yet
+            .causes = cycle_->mode_loss_causes(),
+            .port_error = cycle_->port_error()};
   }
   // Rings once a frame and at the end of the cycle; from any thread.
   rt::Doorbell& doorbell() { return doorbell_; }

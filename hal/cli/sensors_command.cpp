@@ -15,11 +15,14 @@
 #include "hal/cli/print.hpp"
 #include "hal/cli/sensor_format.hpp"
 #include "hal/cli/signals.hpp"
+#include "hal/duty.hpp"
 #include "hal/sensor_stream.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::cli {
 namespace {
+
+constexpr int kSensorsPriority = 0;  // none
 
 struct SensorsOptions {
   PortOptions connection{};
@@ -82,9 +85,14 @@ int sensors(const SensorsOptions& options) {
     show(options, *packets, *values);
     return kSuccess;
   }
+  // If this program is killed, the robot does not stream on and the port is put back.
+  auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
+  if (!duty) return fail(duty.failure());
   auto stream = hal::SensorStream::open(**port, *packets);
-  if (!stream) return fail(stream.failure());
-  return watch(options, *packets, **stream, signals);
+  const int code = stream ? watch(options, *packets, **stream, signals) : fail(stream.failure());
+  if (stream) stream->reset();  // pauses
+  (*duty)->waive();             // nothing was told to move
+  return code;
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "hal/guard_block.hpp"
 #include "hal/tty_speed.hpp"
 #include "hal/tty_stream.hpp"
-#include "oi/baud.hpp"
 
 namespace cargobay::hal {
 
@@ -16,8 +16,7 @@ class GuardPort final : public TtyStream {
  public:
   // The block outlives it.
   explicit GuardPort(GuardBlock& block)
-      : TtyStream{GuardBlock::kPort, tty_speed(GuardBlock::kPort).value_or(oi::kBrcBaud), nullptr},
-        block_{block} {}
+      : TtyStream{GuardBlock::kPort, speed(block), nullptr}, block_{block} {}
 
   Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
     for (;;) {
@@ -29,6 +28,12 @@ class GuardPort final : public TtyStream {
 
  private:
   static constexpr std::chrono::milliseconds kSlice{100};
+
+  // A port that does not say so, not even when asked again, is at the rate it was meant to have.
+  static std::uint32_t speed(const GuardBlock& block) {
+    const std::optional<std::uint32_t> first = tty_speed(GuardBlock::kPort);
+    return first ? *first : tty_speed(GuardBlock::kPort).value_or(block.wanted_baud);
+  }
 
   std::error_code apply_baud(std::uint32_t baud) override {
     return set_tty_speed(descriptor(), baud);

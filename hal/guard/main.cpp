@@ -2,6 +2,7 @@
 // until the thread that drives is dead or hung; then stops the robot, once, and ends.
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
@@ -27,17 +28,23 @@ namespace {
 
 using std::chrono::milliseconds;
 
-enum class GuardFinding : std::uint8_t { nothing, owner_died, owner_hung, handed_over };
+enum class GuardFinding : std::uint8_t {
+  nothing,
+  owner_died,
+  owner_hung,
+  handed_over,
+  port_left_behind,  // by an owner that died after its robot was left
+};
 
 constexpr milliseconds kLongestLeave{3000};  // the owner's own takes 2 s at most
 constexpr int kNotByHand = 2;
 constexpr int kOtherVersion = 3;
 
-bool owner_is_gone(const GuardBlock& block) { return getppid() != block.owner; }
-
-void nap() {
-  const timespec pause = rt::as_timespec(kGuardBeat);
-  nanosleep(&pause, nullptr);
+// Sleeps until the next beat, or until the owner is gone: dead, or another program by now.
+bool owner_goes(const GuardBlock& block) {
+  pollfd owner{.fd = GuardBlock::kOwner, .events = 0, .revents = 0};
+  const int ended = poll(&owner, 1, static_cast<int>(kGuardBeat.count()));
+  return ended > 0 || getppid() != block.owner;
 }
 
 // Null where this program was not started by the library of its own version.
@@ -85,7 +92,7 @@ GuardFinding watch(GuardBlock& block) {
       case 0: pthread_mutex_unlock(&block.alive); return GuardFinding::nothing;
       case EOWNERDEAD: return GuardFinding::owner_died;
       case ETIMEDOUT: break;
-      default: nap();  // the beats remain
+      default: (void)owner_goes(block);  // the beats remain
     }
     const rt::TimePoint beat{rt::Duration{block.beat_ns.load(std::memory_order_relaxed)}};
     if (rt::Clock::now() >= beat + rt::Duration{block.deadline_ns}) return GuardFinding::owner_hung;
@@ -97,10 +104,9 @@ GuardFinding wait_for_change(GuardBlock& block, GuardState state) {
   const rt::TimePoint limit = rt::Clock::now() + kLongestLeave;
   while (block.state.load(std::memory_order_acquire) == state) {
     beat(block);
-    if (owner_is_gone(block)) return GuardFinding::owner_died;
-    if (state != GuardState::standing_by && rt::Clock::now() >= limit)
-      return GuardFinding::owner_hung;
-    nap();
+    if (owner_goes(block)) return GuardFinding::owner_died;
+    const bool leaves = state == GuardState::leaving || state == GuardState::guard_lost;
+    if (leaves && rt::Clock::now() >= limit) return GuardFinding::owner_hung;
   }
   return GuardFinding::nothing;
 }
@@ -119,6 +125,7 @@ GuardFinding guard(GuardBlock& block) {
       if (state == expected) block.state.compare_exchange_strong(expected, GuardState::leaving);
       continue;
     }
+    if (state == GuardState::left) return GuardFinding::port_left_behind;
     // From here on the owner sends nothing, unless it has just left by itself.
     GuardState expected = state;
     if (block.state.compare_exchange_strong(expected, GuardState::taken)) return finding;
@@ -172,9 +179,16 @@ int run() {
   block->ready.store(true, std::memory_order_release);
   const GuardFinding finding = guard(*block);
   if (finding == GuardFinding::nothing) return 0;
-  block->parting.store(say_farewell(*block), std::memory_order_release);
-  // A hung owner may wake, and still has the port.
-  if (finding != GuardFinding::owner_hung) leave_port_as_found(*block);
+  if (finding == GuardFinding::port_left_behind) {
+    leave_port_as_found(*block);
+    return 0;
+  }
+  block->parting.store(say_farewell(*block), std::memory_order_relaxed);
+  block->done.store(true, std::memory_order_release);
+  // An owner that lives has the port still, and closes it; if it dies first that is left to us.
+  const bool alive = finding != GuardFinding::owner_died &&
+                     wait_for_change(*block, GuardState::taken) == GuardFinding::nothing;
+  if (!alive) leave_port_as_found(*block);
   return 0;
 }
 
