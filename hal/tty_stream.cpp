@@ -80,7 +80,7 @@ std::error_code TtyStream::set_wake_threshold(std::size_t bytes) {
   if (tcgetattr(descriptor_, &settings) != 0) return {errno, std::generic_category()};
   settings.c_cc[VMIN] = static_cast<cc_t>(std::clamp<std::size_t>(bytes, 1, 255));
   settings.c_cc[VTIME] = 0;
-  // tcsetattr would set the rate to one of its constants; the rate is set anew behind it.
+  // A rate without a constant is not in termios; some C libraries lose it here.
   if (tcsetattr(descriptor_, TCSANOW, &settings) != 0) return {errno, std::generic_category()};
   return set_tty_speed(descriptor_, baud_);
 }

@@ -3,8 +3,6 @@
 #include <sys/ioctl.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -13,7 +11,6 @@
 #include "oi/baud.hpp"
 #include "oi/checksum.hpp"
 #include "tests/pty/serial_client.hpp"
-#include "tests/pty/temporary_path.hpp"
 
 namespace cargobay::hal::sim {
 namespace {
@@ -25,35 +22,6 @@ std::unique_ptr<Server> serve(const ServerOptions& options = {},
   Result<std::unique_ptr<Server>> server = Server::open(parameters, options);
   if (!server || (*server)->start()) return nullptr;
   return std::move(*server);
-}
-
-TEST(TtySpeed, ReadsOnTheMasterWhatTheSlaveWasSetTo) {
-  Result<std::unique_ptr<PtyPort>> port = PtyPort::open("", 57600);
-  ASSERT_TRUE(port);
-  const SerialClient client{(*port)->path()};
-  for (const std::uint32_t baud : oi::kBaudRates) {
-    ASSERT_TRUE(client.set_baud(baud));
-    EXPECT_EQ(tty_speed((*port)->descriptor()), baud);
-    EXPECT_EQ(tty_speed(client.descriptor()), baud);
-  }
-}
-
-TEST(TtySpeed, ReadsWhatTermiosSet) {
-  Result<std::unique_ptr<PtyPort>> port = PtyPort::open("", 57600);
-  ASSERT_TRUE(port);
-  const SerialClient client{(*port)->path()};
-  struct termios settings{};
-  ASSERT_EQ(tcgetattr(client.descriptor(), &settings), 0);
-  cfsetspeed(&settings, B19200);
-  ASSERT_EQ(tcsetattr(client.descriptor(), TCSANOW, &settings), 0);
-  EXPECT_EQ((*port)->host_baud(), 19200U);
-}
-
-TEST(TtySpeed, FailsWhereThereIsNoTerminal) {
-  const int descriptor = open("/dev/null", O_RDWR | O_CLOEXEC);
-  EXPECT_FALSE(tty_speed(descriptor));
-  EXPECT_EQ(set_tty_speed(descriptor, 57600), std::errc::inappropriate_io_control_operation);
-  close(descriptor);
 }
 
 TEST(Server, AnswersAClient) {
@@ -343,42 +311,6 @@ TEST(Server, StreamsOnWhileItsPortIsAway) {
   EXPECT_FALSE(server->replug());
   const SerialClient again{server->path()};
   EXPECT_EQ(again.receive(5).size(), 5U) << "it did not notice";
-}
-
-TEST(Server, LinksItsPortAndTakesTheLinkAway) {
-  const std::string link = temporary_path("link");
-  std::filesystem::create_symlink("/nowhere", link);
-  {
-    const auto server = serve({.link = link});
-    ASSERT_TRUE(server);
-    EXPECT_EQ(server->path(), link);
-    const SerialClient client{link};
-    EXPECT_EQ(client.ask({128, 142, 35}, 1), (Bytes{1}));
-  }
-  EXPECT_FALSE(std::filesystem::is_symlink(std::filesystem::symlink_status(link)));
-}
-
-TEST(Server, LeavesALinkThatIsNoLongerItsOwn) {
-  const std::string link = temporary_path("taken");
-  {
-    const auto server = serve({.link = link});
-    ASSERT_TRUE(server);
-    std::filesystem::remove(link);
-    std::filesystem::create_symlink("/nowhere", link);
-  }
-  EXPECT_EQ(std::filesystem::read_symlink(link), "/nowhere");
-  std::filesystem::remove(link);
-}
-
-TEST(Server, RefusesALinkInThePlaceOfAFile) {
-  const std::string path = temporary_path("file");
-  std::ofstream{path} << "somebody's";
-  const Result<std::unique_ptr<Server>> server = Server::open({}, {.link = path});
-  ASSERT_FALSE(server);
-  EXPECT_NE(server.failure().message.find(path), std::string::npos);
-  EXPECT_NE(server.failure().message.find("no symbolic link"), std::string::npos);
-  EXPECT_TRUE(std::filesystem::is_regular_file(path));
-  std::filesystem::remove(path);
 }
 
 }  // namespace

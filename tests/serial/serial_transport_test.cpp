@@ -18,6 +18,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -170,6 +171,22 @@ TEST_F(SerialTransport, ChangesItsRateAndKeepsItsThreshold) {
   }
   ASSERT_FALSE(port->stream->set_wake_threshold(1));
   EXPECT_EQ(tty_speed(slave_), 115200U) << "a new threshold keeps the rate";
+}
+
+// libserialport sets the rate, and set_wake_threshold() once more: both by its constant.
+TEST_F(SerialTransport, SetsStandardRatesByTheirConstants) {
+  const std::pair<std::uint32_t, speed_t> rates[] = {
+      {300, B300},   {600, B600},     {1200, B1200},   {2400, B2400},   {4800, B4800},
+      {9600, B9600}, {19200, B19200}, {38400, B38400}, {57600, B57600}, {115200, B115200}};
+  const auto port = open_serial(path_, 57600);
+  ASSERT_TRUE(port);
+  for (const auto& [baud, constant] : rates) {
+    ASSERT_FALSE(port->stream->set_baud(baud));
+    ASSERT_FALSE(port->stream->set_wake_threshold(9));
+    const termios now = settings();
+    EXPECT_EQ(cfgetospeed(&now), constant) << baud;
+    EXPECT_EQ(now.c_cflag & static_cast<tcflag_t>(CIBAUD), 0U) << baud;
+  }
 }
 
 TEST_F(SerialTransport, RefusesASecondOpenerAndLeavesTheFirstAlone) {
