@@ -15,6 +15,7 @@
 #include <span>
 
 #include "hal/masked_thread.hpp"
+#include "hal/sim/left_behind.hpp"
 #include "hal/sim/rate_change.hpp"
 
 namespace cargobay::hal::sim {
@@ -35,8 +36,8 @@ Result<std::unique_ptr<Server>> Server::open(const Parameters& parameters,
   const int wake_descriptor = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   if (wake_descriptor < 0) {
     const std::error_code code{errno, std::generic_category()};
-    return Failure{.message = "no eventfd for the virtual Create: " + code.message() +
-                              "; raise the limit of open files",
+    return Failure{.message = "no eventfd for the virtual Create: " + code.message() + "; " +
+                              remedy_for(code.value(), "free some memory"),
                    .code = code};
   }
   return std::unique_ptr<Server>{
@@ -63,7 +64,7 @@ Server::Server(const Parameters& parameters, const ServerOptions& options,
 
 Server::~Server() {
   stop();
-  close(wake_descriptor_);
+  if (!lost_.load(std::memory_order_relaxed)) close(wake_descriptor_);
 }
 
 std::error_code Server::start() {
@@ -90,23 +91,37 @@ std::string Server::path() const {
   return port_ ? port_->path() : std::string{};
 }
 
+void Server::lose_descriptors() {
+  port_->disown();
+  port_.reset();
+  lost_.store(true,
+              std::memory_order_relaxed);  // those who read it tolerate it late, or join first
+  stopping_.store(true, std::memory_order_relaxed);
+}
+
 void Server::wake() {
+  if (lost_.load(std::memory_order_relaxed)) return;
   const std::uint64_t one = 1;
   (void)!::write(wake_descriptor_, &one, sizeof one);  // a full counter wakes as well
 }
 
 void Server::run() {
   prctl(PR_SET_TIMERSLACK, 1UL);
-  while (!stopping_.load(std::memory_order_relaxed)) sleep_until(step());
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    const rt::TimePoint next = step();
+    if (!lost_.load(std::memory_order_relaxed)) sleep_until(next);
+  }
 }
 
 rt::TimePoint Server::step() {
   const std::lock_guard lock{mutex_};
   ++counters_.wakeups;
-  if (port_) port_->update_clients();
+  if (port_ && !port_->intact()) lose_descriptors();
+  if (port_) port_->update_clients(rt::Clock::now());
   catch_up(rt::Clock::now());
   if (port_) take_from_host();
-  return monotonic(cable_.next_batch(options_.batch_bytes));
+  const rt::TimePoint next = monotonic(cable_.next_batch(options_.batch_bytes));
+  return port_ ? std::min(next, port_->clients().next_update()) : next;
 }
 
 void Server::catch_up(rt::TimePoint now) {
@@ -127,7 +142,8 @@ void Server::take_from_host() {
   std::array<std::uint8_t, 512> bytes{};
   for (;;) {
     const std::size_t room = std::min(bytes.size(), cable_.send_room());
-    const std::size_t count = room == 0 ? 0 : port_->read(std::span{bytes}.first(room));
+    const std::size_t count =
+        room == 0 ? 0 : port_->read(std::span{bytes}.first(room), rt::Clock::now());
     if (count == 0) break;
     // They may have come since the robot was last brought up to now: early is never right.
     catch_up(rt::Clock::now());
@@ -146,7 +162,7 @@ void Server::take_from_host() {
 void Server::hand_to_host() {
   std::array<std::uint8_t, 512> bytes{};
   while (const std::size_t count = cable_.take(bytes)) {
-    const bool heard = port_ && port_->has_client();
+    const bool heard = port_ && port_->clients().present();
     const std::size_t taken = heard ? port_->write(std::span{bytes}.first(count)) : 0;
     counters_.bytes_undelivered += count - taken;
   }
@@ -166,7 +182,10 @@ void Server::sleep_until(rt::TimePoint time) {
   }
   const rt::Duration left = std::max(time - rt::Clock::now(), rt::Duration::zero());
   const timespec timeout = rt::as_timespec(left);
-  if (ppoll(sources.data(), sources.size(), &timeout, nullptr) > 0 && sources[2].revents != 0) {
+  const int ready = ppoll(sources.data(), sources.size(), &timeout, nullptr);
+  // Refused, as beyond a limit of open files that was lowered, it would not have waited.
+  if (ready < 0 && errno != EINTR) nanosleep(&timeout, nullptr);
+  if (ready > 0 && sources[2].revents != 0) {
     std::uint64_t count = 0;
     (void)!::read(wake_descriptor_, &count, sizeof count);  // only empties it
   }

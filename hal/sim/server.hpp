@@ -112,6 +112,8 @@ class Server {
   void take_from_host();
   void hand_to_host();
   void wake();
+  // Gives up what the program has closed, and ends the thread: the robot is out of reach.
+  void lose_descriptors();
 
   ServerOptions options_;
   int wake_descriptor_;  // an eventfd: ends the thread's sleep
@@ -123,6 +125,7 @@ class Server {
   ServerCounters counters_{};
   rt::TimePoint power_on_{};
   std::atomic<bool> stopping_{false};
+  std::atomic<bool> lost_{false};  // the program closed our descriptors: they are others' by now
   std::thread thread_;
   int priority_error_ = 0;
 };

@@ -1,0 +1,165 @@
+// The link to a virtual Create's pseudo-terminal: what may be in its place, and what becomes of it.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <thread>
+#include <vector>
+
+#include "drive_fixture.hpp"
+#include "hal/sim/left_behind.hpp"
+#include "hal/sim/pty_port.hpp"
+
+namespace cargobay::test {
+namespace {
+
+using hal::sim::link_target;
+using hal::sim::PtyPort;
+using hal::sim::remove_if;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+// The number of a pseudo-terminal that is gone; a link to it is what a killed server leaves.
+std::string dead_pty() { return "/dev/pts/999999"; }
+
+TEST(SimLink, LeadsToThePortAndGoesWithIt) {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("create");
+  {
+    const auto port = PtyPort::open(link, 57600);
+    ASSERT_TRUE(port) << port.failure().message;
+    EXPECT_EQ((*port)->path(), link);
+    EXPECT_EQ(link_target(link), (*port)->device_path());
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path(""))) << "nothing is left";
+}
+
+TEST(SimLink, ReplacesOneToAPtyThatIsGone) {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("create");
+  fs::create_symlink(dead_pty(), link);
+  const auto port = PtyPort::open(link, 57600);
+  ASSERT_TRUE(port) << port.failure().message;
+  EXPECT_EQ(link_target(link), (*port)->device_path());
+}
+
+TEST(SimLink, RefusesEverythingElseInItsPlace) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("notes", "mine");
+  const auto living = PtyPort::open("", 57600);
+  ASSERT_TRUE(living);
+  struct Case {
+    const char* name;
+    std::string target;
+    const char* says;
+  };
+  const Case cases[] = {
+      {"to-a-file", file, "to no virtual Create: remove it or name another"},
+      {"to-nothing", "/nowhere", "to no virtual Create"},
+      {"to-a-folder", "/tmp", "to no virtual Create"},
+      {"to-a-port", "/dev/ttyUSB0", "to no virtual Create"},
+      {"relative", "pts/3", "to no virtual Create"},
+      {"to-more-than-a-number", "/dev/pts/3x", "to no virtual Create"},
+      {"to-the-folder-of-ptys", "/dev/pts/", "to no virtual Create"},
+      {"to-a-living-pty", (*living)->device_path(), "which is in use"},
+  };
+  for (const Case& each : cases) {
+    const std::string link = folder.path(each.name);
+    fs::create_symlink(each.target, link);
+    const auto port = PtyPort::open(link, 57600);
+    ASSERT_FALSE(port) << each.name;
+    EXPECT_THAT(port.failure().message, HasSubstr(link));
+    EXPECT_THAT(port.failure().message, HasSubstr(each.says));
+    EXPECT_EQ(link_target(link), each.target) << "left as it was";
+  }
+  fs::create_directory(folder.path("folder"));
+  for (const std::string& path : {file, folder.path("folder")}) {
+    const auto port = PtyPort::open(path, 57600);
+    ASSERT_FALSE(port) << path;
+    EXPECT_THAT(port.failure().message, HasSubstr("it is no symbolic link: remove it or name"));
+  }
+  EXPECT_EQ(contents(file), "mine");
+}
+
+TEST(SimLink, RefusesWhatAnotherUserLeft) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root makes another user's link";
+  const TemporaryFolder folder;
+  const std::string link = folder.path("create");
+  fs::create_symlink(dead_pty(), link);
+  ASSERT_EQ(lchown(link.c_str(), 65534, 65534), 0);
+  const auto port = PtyPort::open(link, 57600);
+  ASSERT_FALSE(port);
+  EXPECT_THAT(port.failure().message, HasSubstr("it is another user's"));
+  EXPECT_EQ(link_target(link), dead_pty());
+}
+
+TEST(SimLink, StaysWhenItIsAnothersByTheEnd) {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("create");
+  {
+    const auto port = PtyPort::open(link, 57600);
+    ASSERT_TRUE(port);
+    fs::remove(link);
+    fs::create_symlink("/nowhere", link);
+  }
+  EXPECT_EQ(link_target(link), "/nowhere");
+}
+
+// One after the other looks dead, and is replaced; each but one finds a living link in the end.
+TEST(SimLink, IsOfOneAloneOfManyThatWantItAtOnce) {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("create");
+  for (int round = 0; round < 50; ++round) {
+    fs::create_symlink(dead_pty(), link);
+    std::vector<std::unique_ptr<PtyPort>> ports(4);
+    std::vector<std::thread> threads;
+    threads.reserve(ports.size());
+    for (auto& port : ports) {
+      threads.emplace_back([&] {
+        if (auto opened = PtyPort::open(link, 57600)) port = std::move(*opened);
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    std::erase(ports, nullptr);
+    ASSERT_EQ(ports.size(), 1U) << "round " << round;
+    EXPECT_EQ(link_target(link), ports[0]->device_path());
+    ports.clear();
+    ASSERT_TRUE(fs::is_empty(folder.path(""))) << "round " << round;
+  }
+}
+
+TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("create");
+  Command first{{"sim", "--link", link}};
+  ASSERT_TRUE(eventually([&] { return fs::is_symlink(link); })) << first.err();
+  Command second{{"sim", "--link", link}};
+  EXPECT_EQ(second.exit_code(), 1);
+  EXPECT_THAT(second.err(), OneErrorLine("which is in use: end the `cargobay sim`"));
+  EXPECT_TRUE(fs::exists(link)) << "still leads to the first";
+  first.send(SIGKILL);
+  EXPECT_EQ(first.exit_code(), -SIGKILL);
+  EXPECT_TRUE(fs::is_symlink(link));
+  Command third{{"sim", "--link", link}};
+  EXPECT_TRUE(eventually([&] { return fs::exists(link); })) << third.err();
+  third.send(SIGTERM);
+  EXPECT_EQ(third.exit_code(), 0);
+}
+
+// Between the look and the deed another file came: it is put back.
+TEST(RemoveIf, PutsBackWhatItDidNotMean) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "another's");
+  int asked = 0;
+  EXPECT_EQ(remove_if(file, [&](const std::string&) { return ++asked == 1; }),
+            std::errc::file_exists);
+  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(contents(file), "another's");
+  EXPECT_FALSE(remove_if(file, [](const std::string&) { return true; }));
+  EXPECT_FALSE(remove_if(file, [](const std::string&) { return true; })) << "gone is well";
+  EXPECT_TRUE(fs::is_empty(folder.path("")));
+}
+
+}  // namespace
+}  // namespace cargobay::test
