@@ -1,33 +1,31 @@
 #include "hal/sim/control_socket.hpp"
 
-#include <poll.h>
-#include <pthread.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <csignal>
+#include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include "hal/masked_thread.hpp"
 #include "hal/sim/control.hpp"
+#include "hal/sim/left_behind.hpp"
 #include "hal/sim/words.hpp"
 
 namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr std::size_t kLongestLine = 1024;
 constexpr std::size_t kMostClients = 16;
-constexpr int kBacklog = 4;
-// A client that does not take its answer is let go of.
-constexpr int kPatienceMs = 1000;
+constexpr int kBacklog = 16;
+constexpr timespec kRetryPause{.tv_sec = 0, .tv_nsec = 5'000'000};
+// How long nobody is accepted after the system refused to: it would refuse again at once.
+constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
 
 std::optional<sockaddr_un> address_of(const std::string& path) {
   sockaddr_un address{};
@@ -43,26 +41,44 @@ const sockaddr* generic(const sockaddr_un& address) {
 }
 
 Failure failure(const std::string& path, std::error_code code, const std::string& remedy) {
-  return {.message = "cannot listen on " + path + ": " + code.message() + "; " + remedy,
+  return {.message = "cannot listen on " + path + ": " + code.message() + "; " +
+                     remedy_for(code.value(), remedy),
           .code = code};
 }
 
-// Whether somebody listens there.
-bool answers(const sockaddr_un& address) {
-  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+// Connects to the path: 0, or errno. Never waits: a socket whose queue is full says EAGAIN.
+int try_path(const sockaddr_un& address) {
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const bool connected = probe >= 0 && connect(probe, generic(address), sizeof address) == 0;
+  const int error = connected ? 0 : errno;
   if (probe >= 0) close(probe);
-  return connected;
+  return error;
 }
 
-// Clears the place of what a process that is gone left there.
-std::error_code make_room(const std::string& path, const sockaddr_un& address) {
+// Whether the path leads to this listener. If another socket has come in its place, nobody can
+// reach it.
+bool is_reached(int listener, const sockaddr_un& address) {
+  pollfd newcomer{.fd = listener, .events = POLLIN, .revents = 0};
+  return try_path(address) == 0 && poll(&newcomer, 1, 0) > 0;
+}
+
+// Why what is at the path must stay; nothing if it is a socket of ours that nobody listens to.
+std::error_code reason_to_keep(const std::string& path, const sockaddr_un& address) {
   struct stat status{};
   if (lstat(path.c_str(), &status) != 0) return {};
-  if (!S_ISSOCK(status.st_mode)) return std::make_error_code(std::errc::file_exists);
-  if (answers(address)) return std::make_error_code(std::errc::address_in_use);
-  if (unlink(path.c_str()) != 0) return {errno, std::generic_category()};
-  return {};
+  if (!S_ISSOCK(status.st_mode) || status.st_uid != geteuid())
+    return std::make_error_code(std::errc::file_exists);
+  const int error = try_path(address);
+  if (error == ECONNREFUSED) return {};
+  if (error == EMFILE || error == ENFILE) return {error, std::generic_category()};
+  return std::make_error_code(std::errc::address_in_use);
+}
+
+bool same_file(const std::string& path, const struct stat& file) {
+  struct stat found{};
+  return lstat(path.c_str(), &found) == 0 && found.st_dev == file.st_dev &&
+         found.st_ino == file.st_ino && found.st_mtim.tv_sec == file.st_mtim.tv_sec &&
+         found.st_mtim.tv_nsec == file.st_mtim.tv_nsec;
 }
 
 }  // namespace
@@ -87,28 +103,55 @@ std::string control(std::string_view line, Server& server) {
 
 Result<std::unique_ptr<ControlSocket>> ControlSocket::open(const std::string& path,
                                                            Server& server) {
-  const std::optional<sockaddr_un> address = address_of(path);
-  if (!address) {
-    return failure(path, std::make_error_code(std::errc::filename_too_long),
-                   "name a shorter path, under 108 bytes");
-  }
-  if (const std::error_code error = make_room(path, *address)) {
-    return failure(path, error, "name another path, or remove what is there");
-  }
   const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int wake_descriptor = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-  const bool listens = listener >= 0 && wake_descriptor >= 0 &&
-                       bind(listener, generic(*address), sizeof *address) == 0 &&
-                       chmod(path.c_str(), S_IRUSR | S_IWUSR) == 0 &&
-                       listen(listener, kBacklog) == 0;
-  if (!listens) {
-    const std::error_code code{errno, std::generic_category()};
-    for (const int descriptor : {listener, wake_descriptor}) {
-      if (descriptor >= 0) close(descriptor);
-    }
-    return failure(path, code, "name a path in a directory you can write to");
+  const std::error_code code{errno, std::generic_category()};
+  std::unique_ptr<ControlSocket> control{
+      new ControlSocket{path, server, listener, wake_descriptor}};
+  if (listener < 0 || wake_descriptor < 0) return failure(path, code, "free some memory");
+  if (auto problem = control->listen_on_path()) return std::move(*problem);
+  return control;
+}
+
+std::optional<Failure> ControlSocket::listen_on_path() {
+  constexpr int kTries = 10;  // others may come and go in that place
+  constexpr const char* kTaken = "name another path, or remove what is there";
+  const std::optional<sockaddr_un> address = address_of(path_);
+  if (!address) {
+    return failure(path_, std::make_error_code(std::errc::filename_too_long),
+                   "name a path of 1 to 107 bytes");
   }
-  return std::unique_ptr<ControlSocket>{new ControlSocket{path, server, listener, wake_descriptor}};
+  fchmod(listener_, S_IRUSR | S_IWUSR);  // the file gets it from the first moment on
+  int error = 0;
+  for (int i = 0; i < kTries; ++i) {
+    if (bind(listener_, generic(*address), sizeof *address) == 0) {
+      // Until it listens it looks dead: another process may just now have taken it away.
+      const bool ours = listen(listener_, kBacklog) == 0 && is_reached(listener_, *address);
+      if (ours && lstat(path_.c_str(), &file_) == 0) return std::nullopt;
+      return failure(path_, std::make_error_code(std::errc::address_in_use), kTaken);
+    }
+    error = errno;
+    if (error != EADDRINUSE) break;
+    const std::error_code reason = reason_to_keep(path_, *address);
+    // Of two that are after the same dead socket each may have stepped in the other's way; so look
+    // again a little later.
+    const bool last = i + 1 == kTries;
+    if (reason == std::errc::address_in_use && !last) {
+      nanosleep(&kRetryPause, nullptr);
+      continue;
+    }
+    if (reason) return failure(path_, reason, kTaken);
+    const std::error_code kept = remove_if(path_, [](const std::string& path) {
+      const std::optional<sockaddr_un> there = address_of(path);
+      return there && !reason_to_keep(path, *there);
+    });
+    if (kept && kept != std::errc::file_exists) {
+      error = kept.value();
+      break;
+    }
+  }
+  return failure(path_, {error, std::generic_category()},
+                 error == EADDRINUSE ? kTaken : "name a path in a directory you can write to");
 }
 
 ControlSocket::ControlSocket(std::string path, Server& server, int listener, int wake_descriptor)
@@ -119,7 +162,9 @@ ControlSocket::ControlSocket(std::string path, Server& server, int listener, int
 
 ControlSocket::~ControlSocket() {
   stop();
-  close(wake_descriptor_);
+  for (const int descriptor : {listener_, wake_descriptor_}) {
+    if (descriptor >= 0) close(descriptor);
+  }
 }
 
 std::error_code ControlSocket::start() {
@@ -136,71 +181,65 @@ void ControlSocket::stop() {
   if (listener_ < 0) return;
   close(listener_);
   listener_ = -1;
-  unlink(path_.c_str());
+  // Another's that is there by now stays.
+  (void)remove_if(path_, [this](const std::string& path) { return same_file(path, file_); });
 }
 
 void ControlSocket::run() {
+  const ControlConnection::Answers answers = [this](std::string_view line) {
+    return control(line, *server_);
+  };
   std::vector<pollfd> sources;
   while (!stopping_.load(std::memory_order_relaxed)) {
-    const short hears_newcomers = clients_.size() < kMostClients ? POLLIN : short{0};
-    sources = {{.fd = wake_descriptor_, .events = POLLIN, .revents = 0},
-               {.fd = listener_, .events = hears_newcomers, .revents = 0}};
-    for (const Client& client : clients_) {
-      sources.push_back({.fd = client.descriptor, .events = POLLIN, .revents = 0});
-    }
-    if (poll(sources.data(), sources.size(), -1) < 0) continue;
+    wait(sources);
+    const rt::TimePoint now = rt::Clock::now();
     for (std::size_t i = clients_.size(); i-- > 0;) {
-      if (sources[2 + i].revents == 0 || serve(clients_[i])) continue;
-      close(clients_[i].descriptor);
+      const auto deadline = clients_[i].deadline();
+      const bool due = sources[2 + i].revents != 0 || (deadline && *deadline <= now);
+      if (!due || clients_[i].serve(now, answers)) continue;
       clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(i));
+      accept_again_ = now;  // its descriptor is free
     }
     if (sources[1].revents != 0) accept_client();
   }
-  for (const Client& client : clients_) close(client.descriptor);
   clients_.clear();
+}
+
+void ControlSocket::wait(std::vector<pollfd>& sources) const {
+  const rt::TimePoint now = rt::Clock::now();
+  const bool paused = now < accept_again_;
+  rt::TimePoint until = paused ? accept_again_ : rt::TimePoint::max();
+  sources = {{.fd = wake_descriptor_, .events = POLLIN, .revents = 0},
+             {.fd = paused ? -1 : listener_, .events = POLLIN, .revents = 0}};
+  for (const ControlConnection& client : clients_) {
+    sources.push_back({.fd = client.descriptor(), .events = client.events(), .revents = 0});
+    if (client.deadline()) until = std::min(until, *client.deadline());
+  }
+  const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
+  const bool forever = until == rt::TimePoint::max();
+  if (ppoll(sources.data(), sources.size(), forever ? nullptr : &timeout, nullptr) >= 0) return;
+  if (errno == EINTR) return;
+  // It refuses to wait for so many, as beyond a limit of open files that was lowered: everybody is
+  // looked after now and then.
+  const timespec pause = rt::as_timespec(kRefusalPause);
+  nanosleep(&pause, nullptr);
+  for (pollfd& source : sources) source.revents = source.events;
 }
 
 void ControlSocket::accept_client() {
   const int descriptor = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  if (descriptor >= 0) clients_.push_back({.descriptor = descriptor});
-}
-
-bool ControlSocket::serve(Client& client) {
-  std::array<char, 4096> bytes{};
-  const ssize_t count = recv(client.descriptor, bytes.data(), bytes.size(), 0);
-  if (count < 0) return errno == EAGAIN || errno == EINTR;
-  if (count == 0) return false;
-  std::string_view rest{bytes.data(), static_cast<std::size_t>(count)};
-  while (!rest.empty()) {
-    const std::size_t length = std::min(rest.find('\n'), rest.size());
-    const bool whole = length < rest.size();
-    if (client.received.size() + length > kLongestLine) client.too_long = true;
-    if (!client.too_long) client.received += rest.substr(0, length);
-    rest.remove_prefix(whole ? length + 1 : length);
-    if (!whole) break;
-    const std::string line = std::exchange(client.received, {});
-    const bool too_long = std::exchange(client.too_long, false);
-    if (!answer(client, too_long ? "error: the line is too long" : control(line, *server_))) {
-      return false;
-    }
+  if (descriptor < 0) {
+    const bool retry = errno == EAGAIN || errno == EINTR || errno == ECONNABORTED;
+    if (!retry) accept_again_ = rt::Clock::now() + kRefusalPause;
+    return;
   }
-  return true;
-}
-
-bool ControlSocket::answer(Client& client, std::string_view line) {
-  const std::string text = std::string{line} + "\n";
-  std::string_view rest{text};
-  while (!rest.empty()) {
-    const ssize_t count = send(client.descriptor, rest.data(), rest.size(), MSG_NOSIGNAL);
-    if (count >= 0) {
-      rest.remove_prefix(static_cast<std::size_t>(count));
-      continue;
-    }
-    if (errno == EINTR) continue;
-    pollfd room{.fd = client.descriptor, .events = POLLOUT, .revents = 0};
-    if (errno != EAGAIN || poll(&room, 1, kPatienceMs) <= 0) return false;
+  ControlConnection client{descriptor};
+  if (clients_.size() < kMostClients) {
+    clients_.push_back(std::move(client));
+  } else {
+    client.dismiss("error: " + std::to_string(kMostClients) +
+                   " clients are connected, which is the most; let one of them go");
   }
-  return true;
 }
 
 }  // namespace cargobay::hal::sim

@@ -2,8 +2,12 @@
 // hal/sim/control.hpp has them, each answered before the next is read.
 #pragma once
 
+#include <poll.h>
+#include <sys/stat.h>
+
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -11,14 +15,15 @@
 #include <vector>
 
 #include "hal/result.hpp"
+#include "hal/sim/control_connection.hpp"
 #include "hal/sim/server.hpp"
 
 namespace cargobay::hal::sim {
 
 class ControlSocket {
  public:
-  // Listens on `path`, for this user alone. A socket left there by a process that is gone is
-  // replaced, anything else refused. The server outlives the socket.
+  // Listens on `path`, for this user alone. A socket of this user's that a process which is gone
+  // left there is replaced, anything else refused. The server outlives the socket.
   static Result<std::unique_ptr<ControlSocket>> open(const std::string& path, Server& server);
   // Stops.
   ~ControlSocket();
@@ -27,29 +32,26 @@ class ControlSocket {
 
   // To be called once.
   [[nodiscard]] std::error_code start();
-  // Ends the thread, hangs up on who is connected, and removes the socket. Idempotent.
+  // Ends the thread, hangs up on who is connected, and removes the socket, if it is still ours.
+  // Idempotent.
   void stop();
 
  private:
-  struct Client {
-    int descriptor = -1;
-    std::string received{};  // of a line whose end has not come
-    bool too_long = false;   // the rest of that line is passed over
-  };
-
   ControlSocket(std::string path, Server& server, int listener, int wake_descriptor);
 
+  std::optional<Failure> listen_on_path();
   void run();
+  // Until there is something to do. What there is, in the order of wake-up, listener, clients.
+  void wait(std::vector<pollfd>& sources) const;
   void accept_client();
-  // False where the client is gone.
-  bool serve(Client& client);
-  bool answer(Client& client, std::string_view line);
 
   std::string path_;
+  struct stat file_{};  // the socket's own, at that path
   Server* server_;
   int listener_;
   int wake_descriptor_;
-  std::vector<Client> clients_{};  // the thread's own
+  std::vector<ControlConnection> clients_{};  // the thread's own
+  rt::TimePoint accept_again_{};              // descriptors ran out: not before
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

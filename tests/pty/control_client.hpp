@@ -31,6 +31,8 @@ class Caller {
   void send(const std::string& text) const {
     (void)::send(descriptor_, text.data(), text.size(), MSG_NOSIGNAL);
   }
+  // SHUT_RD or SHUT_WR: nothing more that way.
+  void shut_down(int direction) const { (void)shutdown(descriptor_, direction); }
   // The next line; empty where none comes.
   std::string receive() const {
     std::string line;

@@ -1,0 +1,53 @@
+// One client of the control socket. Nothing here waits: an answer that the client does not take
+// waits for the client, and so does its next line.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "rt/clock.hpp"
+
+namespace cargobay::hal::sim {
+
+class ControlConnection {
+ public:
+  // The answer to a line; both without their ends.
+  using Answers = std::function<std::string(std::string_view line)>;
+
+  // Closes the descriptor, which does not block, in the end.
+  explicit ControlConnection(int descriptor) : descriptor_{descriptor} {}
+  ~ControlConnection();
+  ControlConnection(const ControlConnection&) = delete;
+  ControlConnection& operator=(const ControlConnection&) = delete;
+  ControlConnection(ControlConnection&& other) noexcept;
+  ControlConnection& operator=(ControlConnection&& other) noexcept;
+
+  int descriptor() const { return descriptor_; }
+  // What to poll for.
+  short events() const;
+  // When a client that does not take its answer is let go of; nothing while none waits.
+  std::optional<rt::TimePoint> deadline() const { return deadline_; }
+
+  // Reads once, at most, and answers. False when it is over: the client is gone, or has not taken
+  // its answer by the deadline.
+  bool serve(rt::TimePoint now, const Answers& answers);
+  // Sends a last line, as far as there is room for it.
+  void dismiss(std::string_view line);
+
+ private:
+  bool answer_all(rt::TimePoint now, const Answers& answers);
+  bool flush(rt::TimePoint now);
+  bool answer_next(const Answers& answers);
+  bool receive();
+
+  int descriptor_;
+  std::string received_{};  // not answered yet
+  bool too_long_ = false;   // a line began that is; its rest is passed over
+  bool ended_ = false;      // the client sends no more
+  std::string unsent_{};
+  std::optional<rt::TimePoint> deadline_{};
+};
+
+}  // namespace cargobay::hal::sim
