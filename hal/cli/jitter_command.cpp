@@ -18,6 +18,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connection.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/in_range.hpp"
 #include "hal/cli/jitter_formats.hpp"
 #include "hal/cli/jitter_plot.hpp"
 #include "hal/cli/jitter_summary.hpp"
@@ -293,13 +294,13 @@ void add_jitter(CLI::App& app, Action& chosen) {
       ->check(CLI::IsMember(
           std::vector<std::string>{jitter::kChannelNames.begin(), jitter::kChannelNames.end()}));
   command->add_option("--duration", options->duration_s, "Seconds for all channels together")
-      ->check(CLI::Range(1.0, 86400.0))
+      ->check(in_range(1.0, 86400.0))
       ->capture_default_str();
   command
       ->add_option("--frames", options->frames, "Instead: so many for each channel but the robot")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}));
   command->add_option("--period", options->period_ms, "Milliseconds from frame to frame")
-      ->check(CLI::Range(1.0, 15.0))
+      ->check(in_range(1.0, 15.0))
       ->capture_default_str();
   command->add_option("--priority", options->priority, "SCHED_FIFO priority of what is measured")
       ->check(CLI::Range(2, 93))
@@ -313,7 +314,7 @@ void add_jitter(CLI::App& app, Action& chosen) {
       "--hold-every", options->hold_every,
       "Hold back each so manieth frame of loop, echo and a virtual Create, to see it told");
   command->add_option("--hold", options->hold_ms, "Milliseconds that such a frame is held back")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(in_range(0.1, 1000.0))
       ->capture_default_str();
   command->add_option("--json", options->json_file,
                       "Write everything to this file; - for standard output");

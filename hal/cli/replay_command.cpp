@@ -11,6 +11,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/drive_report.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/in_range.hpp"
 #include "hal/cli/load_recording.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/write_file.hpp"
@@ -136,10 +137,10 @@ void add_replay(CLI::App& app, Action& chosen) {
                    "remainder carried or lost, or unknown, to be found out")
       ->check(CLI::IsMember({"carried", "lost", "unknown"}));
   command->add_option("--lag", options->lag_s, "The same, with this lag of the wheels in seconds")
-      ->check(CLI::Range(0.001, 10.0));
+      ->check(in_range(0.001, 10.0));
   command
       ->add_option("--wheel-base", options->wheel_base_mm, "The same, with this wheel base in mm")
-      ->check(CLI::Range(1.0, 10000.0));
+      ->check(in_range(1.0, 10000.0));
   command->footer(
       "Examples:\n"
       "  cargobay drive --record drive.rec\n"

@@ -14,6 +14,7 @@
 #include "hal/cli/connection.hpp"
 #include "hal/cli/conversation.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/in_range.hpp"
 #include "hal/cli/open_for_use.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/send_plan.hpp"
@@ -318,12 +319,12 @@ void add_send(CLI::App& app, Action& chosen) {
   command
       ->add_option("--listen", options->listen_s,
                    "Seconds for which the frames of a stream are printed")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(in_range(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--duration", options->duration_s,
                    "Stop the wheels after so many seconds instead of at Ctrl-C")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(in_range(0.0, 1e6));
   command->add_flag("--leave-running", options->leave_running,
                     "End at once and leave wheels and stream as they are");
   command->footer(

@@ -203,11 +203,28 @@ std::string footer() {
   return text;
 }
 
+// A path that can be printed in one line, for those who read it there.
+CLI::Validator printable_path() {
+  return CLI::Validator{[](const std::string& text) {
+                          const bool printable = std::none_of(text.begin(), text.end(), [](char c) {
+                            return static_cast<unsigned char>(c) < ' ' || c == '\x7f';
+                          });
+                          if (text.empty()) return "name a path; this one is empty";
+                          return printable ? "" : "name a path without control characters";
+                        },
+                        ""};
+}
+
 void add_places(CLI::App& command, ServeOptions& options) {
-  command.add_option("--link", options.link,
-                     "Make this symbolic link to the pseudo-terminal, and print it instead");
-  command.add_option("--control", options.control,
-                     "Listen for commands on this Unix socket, for example: press play");
+  command
+      .add_option("--link", options.link,
+                  "Make this symbolic link to the pseudo-terminal, and print it instead; a link "
+                  "that a virtual Create left there is replaced, anything else refused")
+      ->check(printable_path());
+  command
+      .add_option("--control", options.control,
+                  "Listen for commands on this Unix socket, for example: press play")
+      ->check(printable_path());
   command.add_option("--world", options.world,
                      "Let it live in the world of this text file; examples/worlds holds some");
   command.add_option("--trace", options.trace,

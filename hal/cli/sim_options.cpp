@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "hal/cli/in_range.hpp"
+
 namespace cargobay::cli {
 namespace {
 
@@ -9,34 +11,34 @@ constexpr const char* kGroup = "Virtual Create";
 
 void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
   app.add_option("--lag", wheels.lag_s, "Seconds in which a wheel comes within 37 % of a new speed")
-      ->check(CLI::Range(0.001, 10.0))
+      ->check(in_range(0.001, 10.0))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--droop-left", wheels.droop_left,
                  "Part of its set speed the left wheel falls short by")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(in_range(0.0, 0.9))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--droop-right", wheels.droop_right, "The same for the right wheel")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(in_range(0.0, 0.9))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--dead-band", wheels.dead_band_mm_s,
                  "Set speeds below this, in mm/s, do not turn a wheel")
-      ->check(CLI::Range(0.0, 500.0))
+      ->check(in_range(0.0, 500.0))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--counts-per-mm", wheels.counts_per_mm, "Resolution of the encoders")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(in_range(0.01, 1000.0))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--wheel-base", wheels.wheel_base_mm, "Distance between its wheels, in mm")
-      ->check(CLI::Range(50.0, 1000.0))
+      ->check(in_range(50.0, 1000.0))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--noise", wheels.noise_mm_s,
                  "Standard deviation in mm/s by which a wheel's speed wanders")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(in_range(0.0, 100.0))
       ->capture_default_str()
       ->group(kGroup);
 }
@@ -67,13 +69,14 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--battery", options.parameters.battery.charge_mah, "Its charge, in mAh")
-      ->check(CLI::Range(1.0, options.parameters.battery.capacity_mah))
+      ->check(in_range(1.0, options.parameters.battery.capacity_mah))
       ->capture_default_str()
       ->group(kGroup);
   app.add_flag("--no-charging-text", options.no_charging_text,
                "Do not print a line of text each second while charging")
       ->group(kGroup);
   app.add_option("--seed", options.parameters.seed, "Of all that is random in it")
+      ->check(whole_number())
       ->capture_default_str()
       ->group(kGroup);
   add_wheel_options(app, options.parameters.wheels);
