@@ -79,7 +79,7 @@ class Robot {
   // Then: what stop() will say of it, as far as it is known before.
   Farewell end_so_far() const {
     return {.end = cycle_end_.load(std::memory_order_relaxed),  // ended() ordered it
-            .robot = {.parting = Parting::standing},  // nothing to say of it yet
+            .robot = {.parting = Parting::standing},            // nothing to say of it yet
             .causes = cycle_->mode_loss_causes(),
             .port_error = cycle_->port_error()};
   }
