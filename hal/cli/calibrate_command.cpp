@@ -69,6 +69,7 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
   Pattern pattern{.calibration = &calibration, .cycle = &robot.cycle()};
   const auto grant = robot.start({.function = &Pattern::control, .context = &pattern});
   if (!grant) return grant.failure();
+  const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};  // whatever we wait for
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
   hal::CycleState state;
@@ -84,6 +85,7 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
   if (live) fmt::print("\r\033[K");
   const hal::Robot::Farewell farewell = robot.stop();
   while (robot.cycle().next_state(state)) calibration.see(state);
+  if (!signal) signal = signals.wait(rt::Duration::zero());
   if (const std::string wrong = hal::explain(farewell); !wrong.empty()) return hal::Failure{wrong};
   return signal;
 }

@@ -203,6 +203,8 @@ class Drive {
     constexpr const char* kClearLine = "\r\033[K";
     const bool live = stdout_is_terminal();
     std::optional<int> signal;
+    // At once, though this thread may be held up by what it prints or records.
+    const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};
     while (!robot.ended() && !signal.has_value()) {
       signal = signals_.wait(kStatusPeriod);
       links_.collect();
@@ -213,7 +215,7 @@ class Drive {
         print_status(links_.states().back(), options_.duration_s);
     }
     if (live) fmt::print(kClearLine);
-    return signal;
+    return signal.has_value() ? signal : signals_.wait(rt::Duration::zero());
   }
   static hal::Result<hal::Reconnection> wait_for_robot(const hal::ReconnectRequest& request,
                                                        hal::CycleEnd end) {

@@ -65,8 +65,11 @@ class Load {
   Load& operator=(const Load&) = delete;
   ~Load() {
     if (child_ <= 0) return;
-    kill(child_, SIGTERM);
+    end();
     waitpid(child_, nullptr, 0);
+  }
+  void end() const {
+    if (child_ > 0) kill(child_, SIGTERM);
   }
   std::optional<hal::Failure> start() {
     std::string name = "stress-ng";
@@ -74,8 +77,19 @@ class Load {
     std::string cpu = "--cpu";
     std::string quiet = "--quiet";
     std::array<char*, 5> arguments{name.data(), cpu.data(), all.data(), quiet.data(), nullptr};
+    // Our signals are blocked, and its own are for it.
+    sigset_t none{};
+    sigset_t all_defaults{};
+    sigemptyset(&none);
+    sigfillset(&all_defaults);
+    posix_spawnattr_t attributes{};
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all_defaults);
     const int error =
-        posix_spawnp(&child_, name.c_str(), nullptr, nullptr, arguments.data(), environ);
+        posix_spawnp(&child_, name.c_str(), nullptr, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     if (error == 0) return std::nullopt;
     child_ = -1;
     return hal::Failure{
@@ -207,6 +221,7 @@ int run_jitter(const JitterOptions& options) {
   if (options.load) {
     if (const auto failure = load.start()) return fail(*failure);
   }
+  const AtFirstSignal unload{[&load] { load.end(); }};
   auto robot = find_robot(options, request);  // outlives the run
   if (!robot) return fail(robot.failure());
   auto run = jitter::Run::prepare(std::move(request));
@@ -219,7 +234,7 @@ int run_jitter(const JitterOptions& options) {
   const double seconds = rt::seconds(rt::Clock::now() - begin);
   const jitter::Usage used = jitter::look_at_usage() - before;
 
-  JitterSummary summary = summarise(**run);
+  JitterSummary summary = summarise(**run, signal ? Care::hurried : Care::full);
   summary.link = robot->link;
   summary.seconds = seconds;
   summary.load = options.load ? "stress-ng --cpu 0" : "";

@@ -60,6 +60,15 @@ const Measured* find(const hal::jitter::Run& run, std::string_view name) {
   return nullptr;
 }
 
+constexpr int kLeastDraws = 20;  // below that an interval says nothing
+
+// As many as take about 0.1 s.
+int hurried_draws(std::uint64_t frames) {
+  constexpr std::uint64_t kFrames = 10'000'000;
+  return static_cast<int>(
+      std::min<std::uint64_t>(kFrames / std::max<std::uint64_t>(frames, 1), hal::jitter::kDraws));
+}
+
 }  // namespace
 
 const ChannelSummary* JitterSummary::channel(std::string_view name) const {
@@ -67,7 +76,7 @@ const ChannelSummary* JitterSummary::channel(std::string_view name) const {
   return found == channels.end() ? nullptr : &*found;
 }
 
-JitterSummary summarise(const hal::jitter::Run& run) {
+JitterSummary summarise(const hal::jitter::Run& run, Care care) {
   JitterSummary summary;
   for (const auto& channel : run.channels()) {
     summary.channels.push_back(summarise(channel->measured()));
@@ -81,10 +90,14 @@ JitterSummary summarise(const hal::jitter::Run& run) {
     const Measured* const a = find(run, over);
     const Measured* const b = find(run, under);
     if (a == nullptr || b == nullptr || a->frames == 0 || b->frames == 0) continue;
-    summary.ratios.push_back({.over = std::string{over},
-                              .under = std::string{under},
-                              .p50 = ratio_of_percentiles(a->slices, b->slices, 50),
-                              .p99 = ratio_of_percentiles(a->slices, b->slices, 99)});
+    const int draws =
+        care == Care::full ? hal::jitter::kDraws : hurried_draws(a->frames + b->frames);
+    if (draws < kLeastDraws) continue;
+    summary.ratios.push_back(
+        {.over = std::string{over},
+         .under = std::string{under},
+         .p50 = ratio_of_percentiles(a->slices, b->slices, 50, hal::jitter::kSeed, draws),
+         .p99 = ratio_of_percentiles(a->slices, b->slices, 99, hal::jitter::kSeed, draws)});
   }
   return summary;
 }

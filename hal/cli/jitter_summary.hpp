@@ -64,8 +64,10 @@ struct JitterSummary {
   const ChannelSummary* channel(std::string_view name) const;
 };
 
-// Takes about a second for each ratio.
-JitterSummary summarise(const hal::jitter::Run& run);
+// full: takes about a second for each ratio, and longer after hours. hurried, as somebody waits for
+// the end: a second for all, with wider intervals and without ratios of more than 500 000 frames.
+enum class Care : std::uint8_t { full, hurried };
+JitterSummary summarise(const hal::jitter::Run& run, Care care);
 
 // Of one channel in both, from its slices' percentiles.
 hal::jitter::Estimate compare(const ChannelSummary& a, const ChannelSummary& b, double percent);

@@ -1,21 +1,33 @@
 // The command `cargobay`.
 
-#include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <system_error>
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/print.hpp"
+#include "hal/cli/standard_streams.hpp"
 
 namespace {
 
+namespace cli = cargobay::cli;
+
+// What is printed to a file or a pipe may only now find out that it cannot be written.
+int after_output(int code) {
+  (void)std::fflush(stdout);  // never fails; output_error() says what came of it
+  const std::error_code error = cli::output_error();
+  if (!error || code != cli::kSuccess) return code;
+  cli::print_error("cannot write to standard output: " + error.message());
+  return cli::kFailure;
+}
+
 int run(int argc, char** argv) {
-  namespace cli = cargobay::cli;
   CLI::App app{
       "Cargobay: real-time control of the iRobot Create, and a virtual Create to try it on.",
       "cargobay"};
@@ -43,22 +55,22 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& wish) {  // --help, --version
-    return app.exit(wish);
+    std::ostringstream text;
+    const int code = app.exit(wish, text, text);
+    fmt::print("{}", text.str());
+    return after_output(code);
   } catch (const CLI::ParseError& error) {
     cli::print_error(std::string{error.what()} + "; see: cargobay --help");
     return cli::kUsageError;
   }
-  const int code = chosen();
-  // What is printed to a file or a pipe may only now find out that it cannot be written.
-  if (std::fflush(stdout) == 0 || code != cli::kSuccess) return code;
-  cli::print_error("cannot write to standard output: " +
-                   std::error_code{errno, std::generic_category()}.message());
-  return cli::kFailure;
+  return after_output(chosen());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!cargobay::cli::open_standard_descriptors()) return cargobay::cli::kFailure;
+  cargobay::cli::rely_on_standard_streams();
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

@@ -20,6 +20,7 @@
 #include "hal/cli/send_plan.hpp"
 #include "hal/cli/sensor_format.hpp"
 #include "hal/cli/signals.hpp"
+#include "hal/cli/standard_streams.hpp"
 #include "hal/cli/words.hpp"
 #include "hal/duty.hpp"
 #include "hal/farewell.hpp"
@@ -233,7 +234,11 @@ class Sending {
       duration = std::max(duration, seconds(*options_.duration_s));
     }
     const rt::TimePoint begin = port_.now();
-    (void)talk_.listen(duration);
+    constexpr milliseconds kLook{100};
+    for (rt::Duration left = duration; left > rt::Duration::zero() && !output_error();
+         left = begin + duration - port_.now()) {
+      if (!talk_.listen(std::min<rt::Duration>(left, kLook)) || talk_.signal()) break;
+    }
     if (begun_stream_ && talk_.streaming() && talk_.frames() == 0 &&
         port_.now() - begin > milliseconds{200}) {
       print_remark("no frames came");

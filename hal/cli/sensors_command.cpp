@@ -15,6 +15,7 @@
 #include "hal/cli/print.hpp"
 #include "hal/cli/sensor_format.hpp"
 #include "hal/cli/signals.hpp"
+#include "hal/cli/standard_streams.hpp"
 #include "hal/duty.hpp"
 #include "hal/sensor_stream.hpp"
 #include "oi/baud.hpp"
@@ -47,7 +48,7 @@ void show(const SensorsOptions& options, const std::vector<oi::PacketId>& packet
 int watch(const SensorsOptions& options, const std::vector<oi::PacketId>& packets,
           hal::SensorStream& stream, StopSignals& signals) {
   rt::TimePoint next_draw{};
-  while (!signals.wait(rt::Duration::zero()).has_value()) {
+  while (!signals.wait(rt::Duration::zero()).has_value() && !output_error()) {
     const auto values = stream.next();
     if (!values) {
       print_error(values.failure().message);

@@ -19,9 +19,12 @@ struct Estimate {
 // Of all values of all slices: the smallest that `percent` of them do not exceed. Allocates.
 double percentile(std::span<const Slice> slices, double percent);
 
+inline constexpr std::uint64_t kSeed = 1;
+inline constexpr int kDraws = 400;
+
 // Percentile of `a` over that of `b`. The same seed gives the same answer. Allocates; takes about
 // as long as sorting all values does, for each of the `draws`.
 Estimate ratio_of_percentiles(std::span<const Slice> a, std::span<const Slice> b, double percent,
-                              std::uint64_t seed = 1, int draws = 400);
+                              std::uint64_t seed = kSeed, int draws = kDraws);
 
 }  // namespace cargobay::hal::jitter

@@ -10,6 +10,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -74,6 +75,13 @@ bool give_up_rights() {
   }
   dup2(out.theirs, STDOUT_FILENO);
   dup2(err.theirs, STDERR_FILENO);
+  for (std::size_t i = 0; i < setup.closed.size(); ++i) {
+    if (setup.closed.at(i)) close(static_cast<int>(i));
+  }
+  if (setup.most_file_bytes > 0) {
+    const rlimit most{.rlim_cur = setup.most_file_bytes, .rlim_max = setup.most_file_bytes};
+    if (setrlimit(RLIMIT_FSIZE, &most) != 0) _exit(kNotStarted);
+  }
   if (setup.user == Setup::User::nobody && !give_up_rights()) _exit(kNotStarted);
   prctl(PR_SET_PDEATHSIG, SIGKILL);     // where the tests are killed, no command stays behind
   fexecve(binary, arguments, environ);  // by descriptor: nobody may not see the folder
@@ -99,6 +107,12 @@ Command::Command(std::vector<std::string> arguments, const Setup& setup) {
   pointers.push_back(nullptr);
   const int binary = open(CARGOBAY_BINARY_DIR "/cargobay", O_PATH | O_CLOEXEC);
   const Ends out = setup.output == Setup::Output::terminal ? make_terminal() : make_pipe();
+  unread_ = setup.output == Setup::Output::unread;
+  if (unread_) {
+    const int bytes = fcntl(out.ours, F_SETPIPE_SZ, 1);  // the kernel makes it a page
+    const std::string full(static_cast<std::size_t>(std::max(bytes, 0)), '\n');
+    (void)!write(out.theirs, full.data(), full.size());
+  }
   const Ends err = make_pipe();
   process_ = fork();  // NOLINT(cppcoreguidelines-prefer-member-initializer): the ends come first
   if (process_ == 0) become(binary, pointers.data(), out, err, setup);
@@ -132,7 +146,7 @@ void Command::close_terminal() {
 
 bool Command::running() {
   if (!ended_) ended_ = waitpid(process_, &status_, WNOHANG) == process_;
-  collect(out_descriptor_, out_);
+  if (!unread_) collect(out_descriptor_, out_);
   collect(err_descriptor_, err_);
   return !ended_;
 }

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -14,10 +15,15 @@ class Command {
  public:
   struct Setup {
     // pipe: standard output is none. terminal: it is one, and the command the session on it.
-    enum class Output : std::uint8_t { pipe, terminal } output = Output::pipe;
+    // unread: a full pipe that nobody reads.
+    enum class Output : std::uint8_t { pipe, terminal, unread } output = Output::pipe;
     // nobody: without any right beyond those of an ordinary user, real-time ones included. Where
     // the tests do not run as root, the same user without them.
     enum class User : std::uint8_t { same, nobody } user = User::same;
+    // Descriptors 0 to 2, as `>&-` closes one.
+    std::array<bool, 3> closed{};
+    // As `ulimit -f` sets it; 0 for none.
+    std::uint64_t most_file_bytes = 0;
   };
 
   explicit Command(std::vector<std::string> arguments) : Command{std::move(arguments), Setup{}} {}
@@ -45,6 +51,7 @@ class Command {
   pid_t process_ = -1;
   int status_ = 0;
   bool ended_ = false;
+  bool unread_ = false;
   int out_descriptor_ = -1;  // the terminal's master, where there is one
   int err_descriptor_ = -1;
   std::string out_;
