@@ -1,16 +1,14 @@
 #include "hal/config.hpp"
 
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <span>
 #include <sstream>
 
+#include "hal/read_input.hpp"
 #include "oi/baud.hpp"
 #include "oi/nearest_name.hpp"
 
@@ -242,15 +240,10 @@ std::string personal_file() {
 }
 
 std::optional<Failure> read_file(const std::string& file, Config& config) {
-  std::error_code error;
-  const bool folder = std::filesystem::is_directory(file, error);
-  std::ifstream stream{file, std::ios::binary};
-  if (folder || !stream.is_open()) {
-    const std::error_code code{folder ? EISDIR : errno, std::generic_category()};
-    return Failure{"cannot read the configuration " + file + ": " + code.message(), code};
-  }
-  const std::string text{std::istreambuf_iterator<char>{stream}, std::istreambuf_iterator<char>{}};
-  return read_config(text, file, config);
+  const auto text = read_input(file, {.most_bytes = kMostConfigBytes});
+  if (text) return read_config(*text, file, config);
+  return Failure{"cannot read the configuration " + file + ": " + text.failure().message,
+                 text.failure().code};
 }
 
 }  // namespace
@@ -265,16 +258,20 @@ std::optional<Failure> read_config(std::string_view text, const std::string& fil
   return Reader{file, config}.read(parsed.table());
 }
 
+std::vector<std::string> config_files(const std::string& file) {
+  if (!file.empty()) return {file};
+  std::vector<std::string> files;
+  for (std::string usual : {std::string{"/etc/cargobay.toml"}, personal_file()}) {
+    std::error_code error;
+    if (!usual.empty() && std::filesystem::exists(usual, error)) files.push_back(std::move(usual));
+  }
+  return files;
+}
+
 Result<Config> load_config(const std::string& file) {
   Config config;
-  if (!file.empty()) {
-    if (auto failure = read_file(file, config)) return *failure;
-    return config;
-  }
-  for (const std::string& usual : {std::string{"/etc/cargobay.toml"}, personal_file()}) {
-    std::error_code error;
-    if (usual.empty() || !std::filesystem::exists(usual, error)) continue;
-    if (auto failure = read_file(usual, config)) return *failure;
+  for (const std::string& each : config_files(file)) {
+    if (auto failure = read_file(each, config)) return *failure;
   }
   return config;
 }

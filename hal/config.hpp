@@ -36,7 +36,10 @@ struct Config {
 std::optional<Failure> read_config(std::string_view text, const std::string& file, Config& config);
 
 // `file`, or where it is empty /etc/cargobay.toml and on top of it $XDG_CONFIG_HOME/cargobay.toml
-// (~/.config where that is not set), as far as they exist. Blocks for as long as the disk does.
+// (~/.config where that is not set), as far as they exist.
+std::vector<std::string> config_files(const std::string& file);
+
+// Reads config_files(), the last on top. Each is read as hal/read_input.hpp says, up to 1 MiB.
 Result<Config> load_config(const std::string& file);
 
 // What the robot's parameters change of the loop's.

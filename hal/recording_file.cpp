@@ -1,42 +1,42 @@
 #include "hal/recording_file.hpp"
 
-#include <cerrno>
+#include <chrono>
+#include <cstdint>
 #include <span>
-#include <utility>
 
 #include "hal/recording.hpp"
 
 namespace cargobay::hal {
 namespace {
 
-void write(std::ofstream& file, std::span<const std::uint8_t> bytes) {
-  for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
-}
+// The recorder's ring holds a minute and more.
+constexpr std::chrono::seconds kPatience{1};
 
-Failure cannot_write(const std::string& path, int error) {
-  const std::error_code code{error, std::generic_category()};
-  return {"cannot write the recording " + path + ": " + code.message(), code};
+std::string_view text_of(std::span<const std::uint8_t> bytes) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as characters
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 }  // namespace
 
-Result<RecordingFile> RecordingFile::create(const std::string& path,
-                                            const RecordingHeader& header) {
-  errno = 0;
-  std::ofstream file{path, std::ios::binary | std::ios::trunc};
-  write(file, encode(header));
-  file.flush();
-  if (!file) return cannot_write(path, errno);
-  return RecordingFile{path, std::move(file)};
+Result<RecordingFile> RecordingFile::begin(OutputFile file, const RecordingHeader& header) {
+  if (auto failure = file.write(text_of(encode(header)), kPatience)) return *failure;
+  return RecordingFile{std::move(file)};
+}
+
+void RecordingFile::publish() {
+  if (!failure_) failure_ = file_.publish();
 }
 
 void RecordingFile::append(const FlightRecorder& recorder) {
   if (failure_.has_value()) return;
-  errno = 0;
+  std::vector<std::uint8_t> bytes;
   FlightRecorder::Block block;
-  while (recorder.next(cursor_, block)) write(file_, encode(block));
-  file_.flush();
-  if (!file_) failure_ = cannot_write(path_, errno);
+  while (recorder.next(cursor_, block)) {
+    const std::vector<std::uint8_t> more = encode(block);
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  }
+  failure_ = file_.write(text_of(bytes), kPatience);
 }
 
 }  // namespace cargobay::hal

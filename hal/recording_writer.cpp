@@ -7,10 +7,10 @@
 
 namespace cargobay::hal {
 
-Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const std::string& path,
+Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(OutputFile output,
                                                                  const RecordingHeader& header,
                                                                  const FlightRecorder& recorder) {
-  auto file = RecordingFile::create(path, header);
+  auto file = RecordingFile::begin(std::move(output), header);
   if (!file) return file.failure();
   return std::unique_ptr<RecordingWriter>{new RecordingWriter{std::move(*file), recorder}};
 }

@@ -6,7 +6,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <thread>
 
@@ -19,8 +18,8 @@ namespace cargobay::hal {
 
 class RecordingWriter {
  public:
-  // Creates the file. `recorder` outlives the writer. Blocks as the disk does.
-  static Result<std::unique_ptr<RecordingWriter>> create(const std::string& path,
+  // Begins the file. `recorder` outlives the writer. Blocks as RecordingFile does.
+  static Result<std::unique_ptr<RecordingWriter>> create(OutputFile file,
                                                          const RecordingHeader& header,
                                                          const FlightRecorder& recorder);
   // Finishes.
@@ -28,6 +27,8 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
+  // As RecordingFile::publish(); before start().
+  void publish() { file_.publish(); }
   // From now on a thread appends ten times a second.
   [[nodiscard]] std::error_code start();
   // Without the thread: at least once for each minute of the robot's time.

@@ -247,7 +247,8 @@ struct cargobay_options {
                                the configuration are left alone */
   const char* config; /**< configuration file (docs/wiring.md); NULL: /etc/cargobay.toml and on top
                            of it $XDG_CONFIG_HOME/cargobay.toml, as far as they exist */
-  const char* record; /**< file that the drive is recorded to, for `cargobay replay`; NULL: none */
+  const char* record; /**< file that the drive is recorded to, for `cargobay replay`; NULL: none.
+                           Opened by cargobay_open(), and named so once the loop runs */
   uint32_t baud;      /**< rate to talk at; 0: the configuration's, or 57600 */
   int32_t mode;       /**< where it is driven: CARGOBAY_MODE_SAFE (or 0) or CARGOBAY_MODE_FULL */
   int32_t remainder;  /**< enum cargobay_remainder; 0: the configuration's, or found out */
@@ -277,7 +278,8 @@ struct cargobay_options {
  * @param robot gets the handle, to be given to cargobay_close(); NULL after a failure, when the
  * robot was told to stop and go Passive, and nothing is left open.
  * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_CONFIG; CARGOBAY_E_HANDLE for `sim`; CARGOBAY_E_STATE
- * where another robot is `sim` already; CARGOBAY_E_PORT; CARGOBAY_E_ROBOT; CARGOBAY_E_SYSTEM.
+ * where another robot is `sim` already; CARGOBAY_E_PORT; CARGOBAY_E_ROBOT; CARGOBAY_E_SYSTEM,
+ * for `record` where it cannot be written too.
  * Owner; blocks for 0.2 s where the robot answers at once, for up to 40 s; allocates.
  */
 int cargobay_open(const struct cargobay_options* options, struct cargobay_robot** robot);

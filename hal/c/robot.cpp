@@ -10,8 +10,10 @@
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
 #include "hal/config.hpp"
+#include "hal/file_place.hpp"
 #include "hal/forwarding_stream.hpp"
 #include "hal/open_port.hpp"
+#include "hal/output_file.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::c {
@@ -161,6 +163,22 @@ int take_port(const hal::Config& config, std::uint32_t baud, hal::RobotOptions& 
   return CARGOBAY_OK;
 }
 
+// Before the robot hears anything.
+int open_record(const cargobay_options& options, RobotObject& object) {
+  if (options.record == nullptr) return CARGOBAY_OK;
+  auto file = hal::OutputFile::open(options.record);
+  if (!file) return fail(CARGOBAY_E_SYSTEM, file.failure());
+  if (!has(options, CARGOBAY_NO_CONFIG)) {
+    for (const std::string& config :
+         hal::config_files(options.config != nullptr ? options.config : "")) {
+      if (same_file(file->place(), hal::place_of(config)))
+        return bad_argument("`record` is the configuration; name another file");
+    }
+  }
+  object.record_file.emplace(std::move(*file));
+  return CARGOBAY_OK;
+}
+
 int open_robot(const cargobay_options& options, cargobay_robot** handle) {
   if (const std::string wrong = complaint(options); !wrong.empty())
     return fail(CARGOBAY_E_ARGUMENT, wrong);
@@ -177,12 +195,12 @@ int open_robot(const cargobay_options& options, cargobay_robot** handle) {
                                        " baud, which the configuration asks for; use 57600");
   hal::RobotOptions wanted = robot_options(options, config);
   auto object = std::make_unique<RobotObject>();
+  if (const int unopened = open_record(options, *object); unopened != CARGOBAY_OK) return unopened;
   std::unique_ptr<hal::ByteStream> stream;
   const int failed = options.sim != nullptr ? take_sim(options, baud, *object, stream)
                                             : take_port(config, baud, wanted, *object, stream);
   if (failed != CARGOBAY_OK) return failed;
   object->wheel_base_mm = wanted.cycle.loop.estimator.wheel_base_mm;
-  if (options.record != nullptr) object->record_file = options.record;
   auto opened = hal::Robot::open(std::move(stream), wanted);
   if (!opened) return fail(CARGOBAY_E_ROBOT, opened.failure());
   object->robot = std::move(*opened);
@@ -193,13 +211,21 @@ int open_robot(const cargobay_options& options, cargobay_robot** handle) {
 }
 
 int record(RobotObject& object) {
-  if (object.record_file.empty()) return CARGOBAY_OK;
+  if (!object.record_file) return CARGOBAY_OK;
   hal::RecordingHeader header = object.robot->recording_header();
   header.software = "libcargobay " CARGOBAY_VERSION;
-  auto writer =
-      hal::RecordingWriter::create(object.record_file, header, object.robot->flight_recorder());
+  auto writer = hal::RecordingWriter::create(std::move(*object.record_file), header,
+                                             object.robot->flight_recorder());
+  object.record_file.reset();
   if (!writer) return fail(CARGOBAY_E_SYSTEM, writer.failure());
   object.recording = std::move(*writer);
+  return CARGOBAY_OK;
+}
+
+// Once the loop runs: what a failing start leaves of an older recording is all of it.
+int publish_record(RobotObject& object) {
+  if (!object.recording) return CARGOBAY_OK;
+  object.recording->publish();
   if (object.virtual_time) return CARGOBAY_OK;
   if (const std::error_code error = object.recording->start(); error) {
     return fail(CARGOBAY_E_SYSTEM, "cannot start the thread that records: " + error.message() +
@@ -239,6 +265,10 @@ int start(RobotObject& object) {
       return fail(refused ? CARGOBAY_E_RIGHTS : CARGOBAY_E_SYSTEM, grant.failure());
     }
     object.grant = *grant;
+  }
+  if (const int failed = publish_record(object); failed != CARGOBAY_OK) {
+    end(object);
+    return failed;
   }
   object.life.store(RobotObject::Life::running, std::memory_order_release);
   return CARGOBAY_OK;

@@ -11,6 +11,7 @@
 #include "hal/c/handles.hpp"
 #include "hal/c/sim_object.hpp"
 #include "hal/open_pins.hpp"
+#include "hal/output_file.hpp"
 #include "hal/recording_writer.hpp"
 #include "hal/robot.hpp"
 #include "hal/sim/virtual_create.hpp"
@@ -43,7 +44,7 @@ struct RobotObject {
   hal::OpenPins lines{};
   std::unique_ptr<hal::Robot> robot{};  // destroyed before what it drives
   std::unique_ptr<hal::RecordingWriter> recording{};
-  std::string record_file{};
+  std::optional<hal::OutputFile> record_file{};  // until the loop starts
   double wheel_base_mm = 0.0;
   bool virtual_time = false;
 

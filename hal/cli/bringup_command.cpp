@@ -13,9 +13,9 @@
 #include "hal/cli/connection.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/open_for_use.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/duty.hpp"
 #include "hal/open_pins.hpp"
 #include "hal/sim/virtual_create.hpp"
@@ -60,10 +60,10 @@ std::optional<hal::Failure> end_stream(hal::ByteStream& stream, oi::Mode mode, h
 
 int conclude(const BringupOptions& options, const BringUpRecord& record,
              const hal::Result<hal::BringUpReport>& result,
-             const std::optional<hal::Failure>& not_left, std::optional<int> signal) {
+             const std::optional<hal::Failure>& not_left, std::optional<int> signal,
+             Outputs& outputs) {
   if (result && options.json_file != "-") fmt::print("{}", summary(record, *result));
-  std::optional<hal::Failure> wrong;
-  if (!options.json_file.empty()) wrong = write_file(options.json_file, json(record, result));
+  std::optional<hal::Failure> wrong = outputs.write("--json", json(record, result));
   if (signal) return kSignalled + *signal;
   if (not_left) wrong = *not_left;
   if (!result) wrong = result.failure();
@@ -78,11 +78,11 @@ int bring_up(const BringupOptions& options) {
     print_error(failure.message);
     return kFailure;
   };
+  Outputs outputs;
+  protect_config(options.port, outputs);
+  if (const auto failure = outputs.open("--json", options.json_file)) return fail(*failure);
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
-  if (!options.json_file.empty()) {
-    if (auto failure = check_writable(options.json_file)) return fail(*failure);
-  }
   BringUpRecord record{.port = config->port, .robot = "robot", .baud = *config->baud};
   const bool builtin = options.builtin || config->port.empty();
   std::unique_ptr<hal::sim::VirtualCreate> create;  // outlives the pins
@@ -125,11 +125,11 @@ int bring_up(const BringupOptions& options) {
                                                    },
                                                .left = &left});
   if (result) {
-    return conclude(options, record, result, end_stream(**stream, mode, **duty), signal);
+    return conclude(options, record, result, end_stream(**stream, mode, **duty), signal, outputs);
   }
   const hal::Failure failure{result.failure().message + hal::fate((*duty)->discharge_after(left)),
                              result.failure().code};
-  return conclude(options, record, failure, std::nullopt, signal);
+  return conclude(options, record, failure, std::nullopt, signal, outputs);
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,11 +16,12 @@
 #include "hal/cli/connection.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/open_for_use.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/plant.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/config_edit.hpp"
+#include "hal/read_input.hpp"
 #include "hal/robot.hpp"
 
 namespace cargobay::cli {
@@ -110,52 +109,57 @@ std::string result_json(const hal::CalibrationResult& result) {
   return text.dump(2) + "\n";
 }
 
-std::string contents(const std::string& file) {
-  std::ifstream stream{file, std::ios::binary};
-  return {std::istreambuf_iterator<char>{stream}, std::istreambuf_iterator<char>{}};
+// Empty where there is no such file yet.
+hal::Result<std::string> contents(const std::string& file) {
+  auto text = hal::read_input(file, {.most_bytes = hal::kMostConfigBytes});
+  if (text || text.failure().code == std::errc::no_such_file_or_directory)
+    return text ? *text : std::string{};
+  return hal::Failure{
+      fmt::format("cannot read the configuration {}: {}", file, text.failure().message)};
 }
 
 // Into the file, which is left as it was where something is wrong with it.
 std::optional<hal::Failure> write_config(const std::string& file,
-                                         const hal::CalibrationResult& result) {
+                                         const hal::CalibrationResult& result, Outputs& outputs) {
   std::vector<hal::ConfigValue> values{
       {.key = "wheel_base_mm", .value = fmt::format("{:.1f}", result.wheel_base_mm)},
       {.key = "lag_s", .value = fmt::format("{:.3f}", std::max(result.lag_s, 0.001))}};
   if (result.remainder != rt::RemainderBelief::unknown)
     values.push_back({.key = "remainder", .value = "\"" + name(result.remainder) + "\""});
-  const std::string text = hal::set_values(contents(file), "robot", values);
+  const auto before = contents(file);
+  if (!before) return before.failure();
+  const std::string text = hal::set_values(*before, "robot", values);
   hal::Config config;
   if (auto failure = hal::read_config(text, file, config)) return failure;
-  return write_file(file, text);
+  return outputs.write("--write", text);
 }
 
-// A configuration that is there already is to be a sound one.
-std::optional<hal::Failure> check(const CalibrateOptions& options) {
+// Opens the files. A configuration that is there already is to be a sound one.
+std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outputs) {
   if (!(options.speed_mm_s >= 100.0 && options.speed_mm_s <= 400.0)) {
     return hal::Failure{
         fmt::format("--speed {:g} is not from 100 to 400 mm/s", options.speed_mm_s)};
   }
   if (options.write_file == "-")
     return hal::Failure{"--write needs the name of a file, such as /etc/cargobay.toml"};
-  for (const std::string& file : {options.write_file, options.json_file}) {
-    if (file.empty()) continue;
-    if (auto failure = check_writable(file)) return failure;
-  }
-  hal::Config config;
+  protect_config(options.port, outputs);
+  if (auto failure = outputs.open_to_edit("--write", options.write_file)) return failure;
+  if (auto failure = outputs.open("--json", options.json_file)) return failure;
   if (options.write_file.empty()) return std::nullopt;
-  return hal::read_config(contents(options.write_file), options.write_file, config);
+  const auto text = contents(options.write_file);
+  if (!text) return text.failure();
+  hal::Config config;
+  return hal::read_config(*text, options.write_file, config);
 }
 
 // What was measured, to wherever it is wanted.
 std::optional<hal::Failure> report(const CalibrateOptions& options,
-                                   const hal::CalibrationResult& result) {
+                                   const hal::CalibrationResult& result, Outputs& outputs) {
   const bool prints = options.json_file != "-";
   if (prints) fmt::print("{}", table(result));
-  if (!options.json_file.empty()) {
-    if (auto failure = write_file(options.json_file, result_json(result))) return failure;
-  }
+  if (auto failure = outputs.write("--json", result_json(result))) return failure;
   if (options.write_file.empty()) return std::nullopt;
-  if (auto failure = write_config(options.write_file, result)) return failure;
+  if (auto failure = write_config(options.write_file, result, outputs)) return failure;
   if (prints) fmt::print("Written to   {}\n", options.write_file);
   return std::nullopt;
 }
@@ -205,7 +209,8 @@ int calibrate(const CalibrateOptions& options) {
     print_error(failure.message);
     return kFailure;
   };
-  if (const auto failure = check(options)) return fail(*failure);
+  Outputs outputs;
+  if (const auto failure = check(options, outputs)) return fail(*failure);
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
   const auto plant =
@@ -217,7 +222,7 @@ int calibrate(const CalibrateOptions& options) {
   const auto measured = measure(options, *config, *plant, signals, signal);
   if (!measured) return fail(measured.failure());
   if (signal) return kSignalled + *signal;
-  if (const auto failure = report(options, **measured)) return fail(*failure);
+  if (const auto failure = report(options, **measured, outputs)) return fail(*failure);
   return kSuccess;
 }
 

@@ -79,6 +79,11 @@ hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions
   return config;
 }
 
+void protect_config(const PortOptions& port, Outputs& outputs) {
+  for (const std::string& file : hal::config_files(port.config_file))
+    outputs.protect("the configuration", file);
+}
+
 bool has_port(const hal::Config& config) {
   if (!config.port.empty()) return true;
   print_error("--port is required; list what there is with: cargobay ports");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/cli/outputs.hpp"
 #include "hal/config.hpp"
 #include "hal/result.hpp"
 
@@ -44,6 +45,9 @@ void add_pin_options(CLI::App& command, PinOptions& options);
 
 // The configuration with the options on top. The rate is set, and one of the robot's.
 hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions& pins = {});
+
+// Keeps what configuration() reads from being written to.
+void protect_config(const PortOptions& port, Outputs& outputs);
 
 // For a command that is no use without a port: prints what is missing, and says so.
 bool has_port(const hal::Config& config);

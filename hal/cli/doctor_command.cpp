@@ -9,8 +9,8 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/findings.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/print.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/doctor.hpp"
 
 namespace cargobay::cli {
@@ -36,15 +36,16 @@ void print(const std::vector<hal::Finding>& findings) {
 }
 
 int run_doctor(const DoctorOptions& options) {
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  Outputs outputs;
+  if (const auto failure = outputs.open("--json", options.json_file)) return fail(*failure);
   const std::vector<hal::Finding> findings =
       cli::examine(options.port, rt::RealtimeRequest{.priority = options.priority});
   if (options.json_file != "-") print(findings);
-  if (!options.json_file.empty()) {
-    if (auto failure = write_file(options.json_file, report(findings))) {
-      print_error(failure->message);
-      return kFailure;
-    }
-  }
+  if (const auto failure = outputs.write("--json", report(findings))) return fail(*failure);
   return hal::all_well(findings) ? kSuccess : kFailure;
 }
 

@@ -20,12 +20,12 @@
 #include "hal/cli/findings.hpp"
 #include "hal/cli/last_frames.hpp"
 #include "hal/cli/open_for_use.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/plant.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/profile.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/velocity_plot.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/kworker_boost.hpp"
 #include "hal/port_identity.hpp"
 #include "hal/reconnect.hpp"
@@ -95,16 +95,14 @@ std::string plot_title(const DriveReport& report, const DriveOptions& options) {
       report.figures.right.tracking_rmse_mm_s);
 }
 
-// Files, as far as they can be written.
+// Files, as far as they can be written. Returns the first failure.
 std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& options,
-                                 const std::vector<DriveSample>& samples) {
-  if (!options.json_file.empty()) {
-    if (auto failure = write_file(options.json_file, json(report))) return failure;
-  }
-  if (!options.plot_file.empty()) {
-    return write_file(options.plot_file, velocity_plot(samples, plot_title(report, options)));
-  }
-  return std::nullopt;
+                                 const std::vector<DriveSample>& samples, Outputs& outputs) {
+  std::optional<hal::Failure> unsaved;
+  if (!options.json_file.empty()) unsaved = outputs.write("--json", json(report));
+  if (options.plot_file.empty()) return unsaved;
+  auto undrawn = outputs.write("--plot", velocity_plot(samples, plot_title(report, options)));
+  return unsaved ? unsaved : undrawn;
 }
 
 // How a drive ended: the last of its links.
@@ -125,8 +123,8 @@ std::string complaint(const Ending& ending, const std::optional<hal::Failure>& u
 
 // Files, table, and the last word. Returns the exit code.
 int conclude(const DriveReport& report, const DriveOptions& options,
-             const std::vector<DriveSample>& samples, const Ending& ending) {
-  std::optional<hal::Failure> unsaved = save(report, options, samples);
+             const std::vector<DriveSample>& samples, const Ending& ending, Outputs& outputs) {
+  std::optional<hal::Failure> unsaved = save(report, options, samples, outputs);
   if (!unsaved) unsaved = ending.unrecorded;
   if (options.json_file != "-") {
     fmt::print("{}", table(report));
@@ -146,9 +144,10 @@ int conclude(const DriveReport& report, const DriveOptions& options,
 class Drive {
  public:
   Drive(const DriveOptions& options, const Profile& profile, hal::sim::Server* server,
-        StopSignals& signals)
+        StopSignals& signals, Outputs& outputs)
       : options_{options},
         signals_{signals},
+        outputs_{outputs},
         links_{server},
         printer_{links_.events(),
                  options.json_file == "-" ? EventPrinter::Use::quiet : EventPrinter::Use::print},
@@ -193,6 +192,7 @@ class Drive {
     if (auto failure = begin_recording(robot)) return *failure;
     auto grant = robot.start({.function = &Driver::control, .context = &driver_});
     if (!grant) return grant;
+    if (recording_) recording_->publish();
     links_.begin_link(robot.cycle());
     if (links_.reconnects() > 0)
       print_remark(fmt::format("back after {:.1f} s", rt::seconds(links_.latest_without())));
@@ -230,33 +230,36 @@ class Drive {
   // A cycle of its own is a recording of its own: FILE for the first link, FILE.2 for the next.
   std::optional<hal::Failure> begin_recording(const hal::Robot& robot) {
     if (options_.record_file.empty()) return std::nullopt;
-    ++recordings_;
-    record_file_ = options_.record_file;
-    if (recordings_ > 1) record_file_ += fmt::format(".{}", recordings_);
+    std::string key = "--record";
+    if (++recordings_ > 1) {
+      key += fmt::format(" number {}", recordings_);
+      const std::string path = fmt::format("{}.{}", options_.record_file, recordings_);
+      if (auto failure = outputs_.open(key, path)) return failure;
+    }
     hal::RecordingHeader header = robot.recording_header();
     header.software = "cargobay " CARGOBAY_VERSION;
     header.note = fmt::format("{} at {:g} mm/s, {} loop", options_.profile, options_.speed_mm_s,
                               options_.open_loop ? "open" : "closed");
-    auto file = hal::RecordingFile::create(record_file_, header);
+    auto file = hal::RecordingFile::begin(std::move(*outputs_.take(key)), header);
     if (!file) return file.failure();
-    recording_ = std::move(*file);
+    recording_.emplace(std::move(*file));
     return std::nullopt;
   }
   void end_recording(const hal::Robot& robot, Ending& ending) {
     if (!recording_) return;
     recording_->append(robot.flight_recorder());
-    ending.recordings.push_back(record_file_);
+    ending.recordings.push_back(recording_->path());
     if (!ending.unrecorded) ending.unrecorded = recording_->failure();
     recording_.reset();
   }
 
   const DriveOptions& options_;
   StopSignals& signals_;
+  Outputs& outputs_;
   DriveLinks links_;
   EventPrinter printer_;
   Driver driver_;
   std::optional<hal::RecordingFile> recording_{};  // of the link
-  std::string record_file_{};                      // the same
   int recordings_ = 0;
   rt::RealtimeGrant grant_{};  // of the last link
 };
@@ -313,6 +316,8 @@ int drive(const DriveOptions& options) {
     return kFailure;
   };
   if (const auto failure = check(options)) return fail(*failure);
+  Outputs outputs;
+  if (const auto failure = open_outputs(options, outputs)) return fail(*failure);
   const auto profile = Profile::load(options.profile, options.speed_mm_s);
   if (!profile) return fail(profile.failure());
 
@@ -345,7 +350,7 @@ int drive(const DriveOptions& options) {
   auto opened = hal::Robot::open(std::move(*stream), wanted);
   if (early_signal) return kSignalled + *early_signal;  // it stands, or was told to
   if (!opened) return fail(opened.failure());
-  Drive driving{options, *profile, server, signals};
+  Drive driving{options, *profile, server, signals, outputs};
   const auto ending = driving.run(std::move(*opened), *again);
   if (!ending) return fail(ending.failure());
   const std::vector<DriveSample> samples = driving.links().samples();
@@ -355,7 +360,7 @@ int drive(const DriveOptions& options) {
   report.baud = *config->baud;
   report.open_loop = options.open_loop;
   report.findings = findings;
-  return conclude(report, options, samples, *ending);
+  return conclude(report, options, samples, *ending, outputs);
 }
 
 }  // namespace

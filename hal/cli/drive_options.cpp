@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
-#include "hal/cli/write_file.hpp"
+#include "hal/cli/profile.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::cli {
@@ -48,11 +48,15 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
   }
   if (options.record_file == "-")
     return hal::Failure{"--record needs the name of a file: a recording is not for reading"};
-  for (const std::string& file : {options.json_file, options.plot_file, options.record_file}) {
-    if (file.empty()) continue;
-    if (auto failure = check_writable(file)) return failure;
-  }
   return std::nullopt;
+}
+
+std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs) {
+  protect_config(options.connection, outputs);
+  if (!Profile::is_named(options.profile)) outputs.protect("the profile", options.profile);
+  if (auto failure = outputs.open("--record", options.record_file)) return failure;
+  if (auto failure = outputs.open("--json", options.json_file)) return failure;
+  return outputs.open("--plot", options.plot_file);
 }
 
 double reconnect_s(const DriveOptions& options) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hal/cli/connection.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/sim_options.hpp"
 #include "hal/config.hpp"
 #include "hal/result.hpp"
@@ -44,6 +45,9 @@ void add_drive_options(CLI::App& command, DriveOptions& options);
 
 // What can be wrong with the values, found before anything moves.
 std::optional<hal::Failure> check(const DriveOptions& options);
+
+// Its files, opened.
+std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs);
 
 // --reconnect as a number: not a number where it is none, 0 where it was not given.
 double reconnect_s(const DriveOptions& options);

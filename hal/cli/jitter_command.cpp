@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <thread>
 
@@ -24,9 +22,10 @@
 #include "hal/cli/jitter_summary.hpp"
 #include "hal/cli/jitter_table.hpp"
 #include "hal/cli/open_for_use.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
-#include "hal/cli/write_file.hpp"
+#include "hal/cli/words.hpp"
 #include "hal/jitter/run.hpp"
 #include "hal/sim/virtual_create.hpp"
 
@@ -125,34 +124,41 @@ std::size_t rounds(const JitterOptions& options, const jitter::Settings& of) {
   return std::max<std::size_t>(static_cast<std::size_t>(std::lround(all)), 1);
 }
 
-std::optional<hal::Failure> check(const JitterOptions& options) {
-  const std::vector<std::string> files{options.json_file, options.cyclictest_file,
-                                       options.plot_file};
-  for (const std::string& file : files) {
-    if (file.empty()) continue;
-    if (auto failure = check_writable(file)) return failure;
-  }
+std::string hgrm_key(std::string_view channel) { return fmt::format("--hgrm of {}", channel); }
+
+std::optional<hal::Failure> open_outputs(const JitterOptions& options, Outputs& outputs) {
+  protect_config(options.connection, outputs);
+  if (auto failure = outputs.open("--json", options.json_file)) return failure;
+  if (auto failure = outputs.open("--cyclictest", options.cyclictest_file)) return failure;
+  if (auto failure = outputs.open("--plot", options.plot_file)) return failure;
   if (options.hgrm_prefix.empty()) return std::nullopt;
-  return check_writable(options.hgrm_prefix + "-" + options.channels.front() + ".hgrm");
+  for (const std::string& channel : options.channels) {
+    const std::string file = options.hgrm_prefix + "-" + channel + ".hgrm";
+    if (auto failure = outputs.open(hgrm_key(channel), file)) return failure;
+  }
+  return std::nullopt;
 }
 
-std::optional<hal::Failure> save(const JitterSummary& summary, const JitterOptions& options) {
-  std::optional<hal::Failure> failure;
-  const auto write = [&failure](const std::string& file, const std::string& text) {
-    if (!file.empty() && !failure) failure = write_file(file, text);
+// Returns the first failure.
+std::optional<hal::Failure> save(const JitterSummary& summary, const JitterOptions& options,
+                                 Outputs& outputs) {
+  std::optional<hal::Failure> first;
+  const auto write = [&](const std::string& key, const std::string& text) {
+    auto failure = outputs.write(key, text);
+    if (!first) first = std::move(failure);
   };
-  write(options.json_file, json(summary));
-  write(options.cyclictest_file, cyclictest(summary, options.bucket_us, kMostUs));
+  if (!options.json_file.empty()) write("--json", json(summary));
+  if (!options.cyclictest_file.empty())
+    write("--cyclictest", cyclictest(summary, options.bucket_us, kMostUs));
   if (!options.plot_file.empty()) {
-    write(
-        options.plot_file,
-        jitter_plot({summary}, fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
-                                           options.period_ms, options.load ? ", loaded" : "")));
+    write("--plot", jitter_plot({summary},
+                                fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
+                                            options.period_ms, options.load ? ", loaded" : "")));
   }
-  if (options.hgrm_prefix.empty()) return failure;
+  if (options.hgrm_prefix.empty()) return first;
   for (const ChannelSummary& channel : summary.channels)
-    write(options.hgrm_prefix + "-" + channel.name + ".hgrm", hgrm(channel));
-  return failure;
+    write(hgrm_key(channel.name), hgrm(channel));
+  return first;
 }
 
 // Measures on a thread of its own, so that this one can look at signals and tell how far it is.
@@ -212,7 +218,8 @@ int run_jitter(const JitterOptions& options) {
     print_error(failure.message);
     return kFailure;
   };
-  if (const auto failure = check(options)) return fail(*failure);
+  Outputs outputs;
+  if (const auto failure = open_outputs(options, outputs)) return fail(*failure);
   jitter::RunRequest request{.channels = options.channels, .settings = settings(options)};
   request.rounds = rounds(options, request.settings);
   request.held = {.every = options.hold_every,
@@ -241,36 +248,36 @@ int run_jitter(const JitterOptions& options) {
   summary.conditions = jitter::look_at_conditions();
   summary.usage = used;
   if (options.json_file != "-") fmt::print("{}", table(summary, bars_of_locale()));
-  const auto unsaved = save(summary, options);
+  const auto unsaved = save(summary, options, outputs);
   if (failure) return fail(*failure);
   if (unsaved) return fail(*unsaved);
   return signal ? kSignalled + *signal : kSuccess;
 }
 
 hal::Result<JitterSummary> load_summary(const std::string& path) {
-  std::ifstream file{path, std::ios::binary};
-  if (!file) return hal::Failure{"cannot read " + path + "; is it there, and are you allowed to?"};
-  return read_jitter({std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}},
-                     path);
+  const auto text = read_all(path);
+  if (!text) return text.failure();
+  return read_jitter(*text, path);
 }
 
 int run_compare(const std::vector<std::string>& files, const std::string& plot_file) {
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  Outputs outputs;
+  for (const std::string& file : files) outputs.protect("a file to be compared", file);
+  if (const auto failure = outputs.open("--plot", plot_file)) return fail(*failure);
   std::vector<JitterSummary> all;
   for (const std::string& file : files) {
     auto summary = load_summary(file);
-    if (!summary) {
-      print_error(summary.failure().message);
-      return kFailure;
-    }
+    if (!summary) return fail(summary.failure());
     all.push_back(std::move(*summary));
   }
   fmt::print("{}", comparison(all));
   if (plot_file.empty()) return kSuccess;
-  if (const auto failure = write_file(plot_file, jitter_plot(all, "Timing jitter, compared"))) {
-    print_error(failure->message);
-    return kFailure;
-  }
-  return kSuccess;
+  const auto failure = outputs.write("--plot", jitter_plot(all, "Timing jitter, compared"));
+  return failure ? fail(*failure) : kSuccess;
 }
 
 void add_compare(CLI::App& jitter, Action& chosen) {

@@ -6,6 +6,7 @@
 
 #include "hal/cli/print.hpp"
 #include "hal/cli/words.hpp"
+#include "hal/recording_format.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -27,7 +28,9 @@ void remark_on(const hal::Recording& recording, const std::string& path) {
 }  // namespace
 
 hal::Result<LoadedRecording> load_recording(const std::string& path) {
-  const auto text = read_all(path);
+  const auto text =
+      read_all(path, {.most_bytes = hal::kMostRecordingBytes,
+                      .begins_with = {hal::kRecordingMagic.begin(), hal::kRecordingMagic.end()}});
   if (!text) return text.failure();
   std::vector<std::uint8_t> file{text->begin(), text->end()};
   auto recording = hal::Recording::read(file);

@@ -15,9 +15,9 @@
 #include "hal/cli/drive_log.hpp"
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/load_recording.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/velocity_plot.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/recording.hpp"
 
 namespace cargobay::cli {
@@ -60,14 +60,16 @@ int plot(PlotOptions options) {
     return kFailure;
   };
   if (options.output.empty()) options.output = options.file == "-" ? "-" : options.file + ".svg";
-  if (const auto failure = check_writable(options.output)) return fail(*failure);
+  Outputs outputs;
+  outputs.protect("the recording", options.file);
+  if (const auto failure = outputs.open("--output", options.output)) return fail(*failure);
   const auto loaded = load_recording(options.file);
   if (!loaded) return fail(loaded.failure());
   const std::vector<hal::CycleState> states = states_of(loaded->recording);
   if (states.empty()) return fail({options.file + " holds no frame: there is nothing to draw"});
   const std::string drawing =
       velocity_plot(join(states, {}), title(loaded->recording.header()), Intervals::drawn);
-  if (const auto failure = write_file(options.output, drawing)) return fail(*failure);
+  if (const auto failure = outputs.write("--output", drawing)) return fail(*failure);
   if (options.output != "-") fmt::print("Drew {} frames in {}\n", states.size(), options.output);
   return kSuccess;
 }

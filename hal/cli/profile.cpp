@@ -1,13 +1,15 @@
 #include "hal/cli/profile.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "hal/read_input.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::cli {
@@ -48,6 +50,11 @@ Profile::Profile(std::vector<Piece> pieces) : pieces_{std::move(pieces)} {
   for (const Piece& piece : pieces_) period_s_ += piece.duration_s;
 }
 
+bool Profile::is_named(std::string_view name_or_file) {
+  constexpr std::array<std::string_view, 4> kNames{"straight", "steps", "square", "spin"};
+  return std::ranges::find(kNames, name_or_file) != kNames.end();
+}
+
 hal::Result<Profile> Profile::load(const std::string& name_or_file, double speed_mm_s) {
   constexpr double kWhile = 3600.0;
   if (name_or_file == "straight") return Profile{{{kWhile, both(speed_mm_s)}}};
@@ -62,15 +69,16 @@ hal::Result<Profile> Profile::load(const std::string& name_or_file, double speed
 }
 
 hal::Result<Profile> Profile::read(const std::string& path) {
-  const auto unreadable = [&path] {
-    return hal::Failure{fmt::format(
-        "cannot read the profile {}; name a file, or one of straight, steps, square, spin", path)};
-  };
-  std::ifstream file{path};
-  if (!file) return unreadable();
+  const auto file = hal::read_input(path, {});
+  if (!file) {
+    return hal::Failure{
+        fmt::format("cannot read the profile {}: {}, or one of straight, steps, square, spin", path,
+                    file.failure().message)};
+  }
+  std::istringstream lines{*file};
   std::vector<Piece> pieces;
   std::string text;
-  for (int line = 1; std::getline(file, text); ++line) {
+  for (int line = 1; std::getline(lines, text); ++line) {
     std::istringstream words{text.substr(0, text.find('#'))};
     if ((words >> std::ws).eof()) continue;
     Piece piece;
@@ -88,7 +96,6 @@ hal::Result<Profile> Profile::read(const std::string& path) {
     }
     pieces.push_back(piece);
   }
-  if (file.bad()) return unreadable();  // a folder
   if (pieces.empty()) return bad_line(path, 1, "the profile is empty");
   return Profile{std::move(pieces)};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/result.hpp"
@@ -20,6 +21,9 @@ class Profile {
   // `straight`, `steps`, `square`, `spin`, or a file of lines `SECONDS LEFT_MM_S RIGHT_MM_S`. The
   // named ones use `speed_mm_s`.
   static hal::Result<Profile> load(const std::string& name_or_file, double speed_mm_s);
+
+  // Whether it is one of those, and no file.
+  static bool is_named(std::string_view name_or_file);
 
   // Speeds at that time; the pieces repeat without end. For the control thread.
   rt::WheelSpeeds at(double seconds) const noexcept CARGOBAY_NONBLOCKING;

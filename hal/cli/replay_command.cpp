@@ -13,8 +13,8 @@
 #include "hal/cli/exit_codes.hpp"
 #include "hal/cli/in_range.hpp"
 #include "hal/cli/load_recording.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/print.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/estimate_again.hpp"
 #include "hal/replay.hpp"
 
@@ -58,16 +58,16 @@ nlohmann::json json(const hal::EstimateDifference& difference) {
 }
 
 // The results as a file where one is asked for, and as text where that is not standard output.
-int conclude(const ReplayOptions& options, const nlohmann::json& results, const std::string& text) {
+int conclude(const ReplayOptions& options, const nlohmann::json& results, const std::string& text,
+             Outputs& outputs) {
   if (options.json_file != "-") fmt::print("{}\n", text);
-  if (options.json_file.empty()) return kSuccess;
-  const auto failure = write_file(options.json_file, results.dump(2) + "\n");
+  const auto failure = outputs.write("--json", results.dump(2) + "\n");
   if (!failure) return kSuccess;
   print_error(failure->message);
   return kFailure;
 }
 
-int compare_loop(const ReplayOptions& options, const hal::Recording& recording) {
+int compare_loop(const ReplayOptions& options, const hal::Recording& recording, Outputs& outputs) {
   const auto result = hal::replay(recording);
   if (!result) {
     print_error(options.file + " " + result.failure().message);
@@ -75,8 +75,9 @@ int compare_loop(const ReplayOptions& options, const hal::Recording& recording) 
   }
   const std::string counted =
       fmt::format("{} frames, {} commands", result->frames, result->commands);
-  if (!result->difference) return conclude(options, json(*result), counted + ", all the same");
-  (void)conclude(options, json(*result), counted + " are the same, then they differ");
+  if (!result->difference)
+    return conclude(options, json(*result), counted + ", all the same", outputs);
+  (void)conclude(options, json(*result), counted + " are the same, then they differ", outputs);
   const hal::ReplayDifference& first = *result->difference;
   print_error(fmt::format(
       "after tick {} ({:.3f} s) the {} differs: recorded {}, replayed {}; it was recorded by {}",
@@ -85,7 +86,8 @@ int compare_loop(const ReplayOptions& options, const hal::Recording& recording) 
   return kFailure;
 }
 
-int compare_estimate(const ReplayOptions& options, const hal::Recording& recording) {
+int compare_estimate(const ReplayOptions& options, const hal::Recording& recording,
+                     Outputs& outputs) {
   rt::WheelEstimator::Parameters parameters = recording.header().parameters.loop.estimator;
   if (options.remainder == "carried") parameters.remainder = rt::Remainder::carried;
   if (options.remainder == "lost") parameters.remainder = rt::Remainder::lost;
@@ -99,23 +101,24 @@ int compare_estimate(const ReplayOptions& options, const hal::Recording& recordi
                               "remainder of distance and angle: recorded {}, now {}",
                               difference.ticks, difference.rms.left_mm_s, difference.rms.right_mm_s,
                               difference.most.left_mm_s, difference.most.right_mm_s,
-                              name(difference.recorded_belief), name(difference.belief)));
+                              name(difference.recorded_belief), name(difference.belief)),
+                  outputs);
 }
 
 int replay(const ReplayOptions& options) {
-  if (!options.json_file.empty()) {
-    if (const auto failure = check_writable(options.json_file)) {
-      print_error(failure->message);
-      return kFailure;
-    }
+  Outputs outputs;
+  outputs.protect("the recording", options.file);
+  if (const auto failure = outputs.open("--json", options.json_file)) {
+    print_error(failure->message);
+    return kFailure;
   }
   const auto loaded = load_recording(options.file);
   if (!loaded) {
     print_error(loaded.failure().message);
     return kFailure;
   }
-  return options.other_estimator() ? compare_estimate(options, loaded->recording)
-                                   : compare_loop(options, loaded->recording);
+  return options.other_estimator() ? compare_estimate(options, loaded->recording, outputs)
+                                   : compare_loop(options, loaded->recording, outputs);
 }
 
 }  // namespace

@@ -10,11 +10,11 @@
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/exit_codes.hpp"
+#include "hal/cli/outputs.hpp"
 #include "hal/cli/print.hpp"
 #include "hal/cli/signals.hpp"
 #include "hal/cli/sim_faults.hpp"
 #include "hal/cli/sim_options.hpp"
-#include "hal/cli/write_file.hpp"
 #include "hal/sim/control.hpp"
 #include "hal/sim/control_socket.hpp"
 #include "hal/sim/path_recorder.hpp"
@@ -43,8 +43,7 @@ struct ServeOptions {
 
 // One robot and what was asked for around it. The server goes first: it uses the path.
 struct Served {
-  std::string trace;
-  std::unique_ptr<hal::sim::PathRecorder> path{};
+  std::unique_ptr<hal::sim::PathRecorder> path{};  // with --trace
   std::unique_ptr<hal::sim::Server> server{};
   std::unique_ptr<hal::sim::ControlSocket> control{};
   std::string announced;  // what a client opens
@@ -64,6 +63,8 @@ std::string numbered(const std::string& path, std::size_t index, std::size_t cou
   return fmt::format("{}.{}{}", stem, index, drawing ? kDrawing : "");
 }
 
+std::string trace_key(std::size_t index) { return fmt::format("--trace of robot {}", index); }
+
 // The earliest first; of one moment, as they were given.
 std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
   std::vector<PlannedFault> faults;
@@ -77,15 +78,24 @@ std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
   return faults;
 }
 
+// No trace may be what the robots have besides.
+void protect_places(const ServeOptions& options, Outputs& outputs) {
+  outputs.protect("the world", options.world);
+  for (std::size_t i = 0; i < options.count; ++i) {
+    outputs.protect("the place of --link", numbered(options.link, i, options.count));
+    outputs.protect("the place of --control", numbered(options.control, i, options.count));
+  }
+}
+
 // Opens the robot's port and control socket; nothing runs yet.
 std::optional<hal::Failure> open(const ServeOptions& options, std::size_t index,
-                                 const hal::sim::World& world, Served& robot) {
-  robot.trace = numbered(options.trace, index, options.count);
+                                 const hal::sim::World& world, Outputs& outputs, Served& robot) {
   hal::sim::ServerOptions server_options{.link = numbered(options.link, index, options.count),
                                          .priority = options.priority,
                                          .batch_bytes = options.batch_bytes};
-  if (!robot.trace.empty()) {
-    if (auto failure = check_writable(robot.trace)) return failure;
+  if (!options.trace.empty()) {
+    const std::string trace = numbered(options.trace, index, options.count);
+    if (auto failure = outputs.open(trace_key(index), trace)) return failure;
     robot.path = std::make_unique<hal::sim::PathRecorder>();
     server_options.on_tick = [path = robot.path.get()](const hal::sim::Device& device) {
       path->add(device.truth().pose, device.seen().bump_left || device.seen().bump_right);
@@ -141,14 +151,13 @@ void serve(StopSignals& signals, std::vector<PlannedFault> faults, std::vector<S
   }
 }
 
-int write_traces(const hal::sim::World& world, const std::vector<Served>& robots) {
+int write_traces(const hal::sim::World& world, const std::vector<Served>& robots,
+                 Outputs& outputs) {
   int result = kSuccess;
-  for (const Served& robot : robots) {
-    if (!robot.path) continue;
-    const auto path = robot.path->path();
-    if (const auto failure = write_file(robot.trace, hal::sim::draw(world, path))) {
-      result = fail(failure->message);
-    }
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (!robots[i].path) continue;
+    const std::string drawing = hal::sim::draw(world, robots[i].path->path());
+    if (const auto failure = outputs.write(trace_key(i), drawing)) result = fail(failure->message);
   }
   return result;
 }
@@ -166,8 +175,11 @@ int run(const ServeOptions& options) {
   }
   std::vector<PlannedFault> faults = planned_faults(options);
   std::vector<Served> robots(options.count);
+  Outputs outputs;
+  protect_places(options, outputs);
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (const auto failure = open(options, i, world, robots[i])) return fail(failure->message);
+    if (const auto failure = open(options, i, world, outputs, robots[i]))
+      return fail(failure->message);
   }
   const auto later = std::find_if(faults.begin(), faults.end(), [](const PlannedFault& fault) {
     return fault.after > rt::Duration{0};
@@ -188,7 +200,7 @@ int run(const ServeOptions& options) {
     robot.control.reset();
     robot.server->stop();
   }
-  return write_traces(world, robots);
+  return write_traces(world, robots, outputs);
 }
 
 std::string footer() {

@@ -3,11 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstdio>
-#include <memory>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -17,16 +13,6 @@
 
 namespace cargobay::cli {
 namespace {
-
-hal::Result<std::string> read_stream(std::FILE* file, const std::string& name) {
-  std::string all;
-  std::string chunk(65536, '\0');
-  while (std::feof(file) == 0 && std::ferror(file) == 0) {
-    all.append(chunk, 0, std::fread(chunk.data(), 1, chunk.size(), file));
-  }
-  if (std::ferror(file) != 0) return hal::Failure{"cannot read " + name};
-  return all;
-}
 
 // The line with the place, and a caret under it.
 void print_place(std::string_view text, const oi::TextError& error) {
@@ -135,15 +121,13 @@ hal::Result<std::vector<std::uint8_t>> read_bytes(std::string_view text, Base ba
   return bytes;
 }
 
-hal::Result<std::string> read_all(const std::string& path) {
-  if (path == "-") return read_stream(stdin, "standard input");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{std::fopen(path.c_str(), "rb"),
-                                                             std::fclose};
-  if (file == nullptr) {
-    return hal::Failure{fmt::format("cannot open {}: {}", path,
-                                    std::error_code{errno, std::generic_category()}.message())};
-  }
-  return read_stream(file.get(), path);
+hal::Result<std::string> read_all(const std::string& path, const hal::InputLimits& limits) {
+  const bool standard = path == "-";
+  auto text = standard ? hal::read_standard_input(limits) : hal::read_input(path, limits);
+  if (text) return text;
+  return hal::Failure{
+      fmt::format("cannot read {}: {}", standard ? "standard input" : path, text.failure().message),
+      text.failure().code};
 }
 
 }  // namespace cargobay::cli

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/read_input.hpp"
 #include "hal/result.hpp"
 
 namespace CLI {
@@ -30,7 +31,7 @@ std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text
 enum class Base : std::uint8_t { hexadecimal, decimal };
 hal::Result<std::vector<std::uint8_t>> read_bytes(std::string_view text, Base base);
 
-// All of a file, or of standard input for `-`.
-hal::Result<std::string> read_all(const std::string& path);
+// As hal::read_input(), or of standard input for `-`; the message of a failure is whole.
+hal::Result<std::string> read_all(const std::string& path, const hal::InputLimits& limits = {});
 
 }  // namespace cargobay::cli

@@ -1,11 +1,10 @@
 // Worlds as text: World::parse() and World::load().
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <fstream>
 #include <numbers>
 #include <span>
 
+#include "hal/read_input.hpp"
 #include "hal/sim/words.hpp"
 #include "hal/sim/world.hpp"
 
@@ -83,19 +82,12 @@ Result<World> World::parse(std::string_view text) {
 }
 
 Result<World> World::load(const std::string& path) {
-  std::ifstream file{path, std::ios::binary};
-  std::string text;
-  std::array<char, 4096> piece{};
-  while (file.read(piece.data(), piece.size()) || file.gcount() > 0) {
-    text.append(piece.data(), static_cast<std::size_t>(file.gcount()));
+  const auto text = read_input(path, {.most_bytes = kMostConfigBytes});
+  if (!text) {
+    return Failure{.message = "cannot read the world " + path + ": " + text.failure().message,
+                   .code = text.failure().code};
   }
-  if (!file.eof()) {
-    const std::error_code code{errno, std::generic_category()};
-    return Failure{.message = "cannot read the world " + path + ": " + code.message() +
-                              "; name a file that can be read",
-                   .code = code};
-  }
-  Result<World> world = parse(text);
+  Result<World> world = parse(*text);
   if (!world) return Failure{.message = path + ", " + world.failure().message};
   return world;
 }

@@ -57,6 +57,12 @@ FNR == 1 {
   }
 }
 
+# What users name is read and written in two places, each with its one rule.
+/(^|[^a-z_])fopen *\(|O_CREAT|ofstream/ && !/^[ \t]*\/\// && FILENAME !~ /^hal\/(output_file|low_latency)\.cpp$/ {
+  bad("files are written by hal/output_file.hpp")
+}
+/<fstream>/ && room ~ /^hal\/(c|cli|sim)$/ { bad("files are read by hal/read_input.hpp") }
+
 function ours(path,   to, to_room) {
   to = path; sub(/\/.*/, "", to)
   to_room = path; sub(/\/[^\/]*$/, "", to_room)

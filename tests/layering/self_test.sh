@@ -73,6 +73,12 @@ for header in CLI/CLI.hpp toml++/toml.h nlohmann/json.hpp fmt/format.h; do
   plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli and hal/config* may'
   plant rt/planted.cpp      "#include <$header>" 'only hal/cli and hal/config* may'
 done
+# What users name.
+plant hal/cli/planted.cpp '#include <fstream>'              'files are read by'
+plant hal/sim/planted.cpp '#include <fstream>'              'files are read by'
+plant hal/planted.cpp     'int a = open("x", O_CREAT);'     'files are written by'
+plant hal/cli/planted.cpp 'auto* a = std::fopen("x", "w");' 'files are written by'
+plant hal/cli/planted.cpp 'std::ofstream a{"x"};'           'files are written by'
 # Paths.
 plant oi/planted.cpp  '#include "planted_target.hpp"'      'not a path from the repository root'
 plant hal/planted.cpp '#include "../oi/planted_target.hpp"' 'not a path from the repository root'

@@ -127,18 +127,50 @@ TEST_F(RecordTest, RefusesWhatIsNoRecording) {
   }
 }
 
-// A file of the same name that may not be written: the robot has been brought up, and stands.
-TEST_F(RecordTest, NeverMovesWhereItCannotRecord) {
+// A file of the same name that may not be written: the robot hears nothing of it.
+TEST_F(RecordTest, NeverBeginsWhereItCannotRecord) {
   ASSERT_EQ(chmod(folder_.path("").c_str(), 0777), 0);
   (void)folder_.write("drive.rec", "mine");
   ASSERT_EQ(chmod(file_.c_str(), 0444), 0);
   Command command{drive({"--duration", "60", "--record", file_}), kNobody};
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("cannot write the recording " + file_));
+  EXPECT_THAT(command.err(), OneErrorLine("cannot write " + file_));
+  EXPECT_EQ(contents(file_), "mine");
+  EXPECT_EQ(server_->snapshot().device.bytes_received, 0U);
+}
+
+// It has been brought up by then, and is left.
+TEST_F(RecordTest, LeavesAnOlderRecordingWhereTheDriveDoesNotBegin) {
+  ASSERT_EQ(chmod(folder_.path("").c_str(), 0777), 0);
+  (void)folder_.write("drive.rec", "mine");
+  ASSERT_EQ(chmod(file_.c_str(), 0666), 0);
+  Command command{drive({"--duration", "60", "--record", file_, "--require-rt"}), kNobody};
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), OneErrorLine("CAP_SYS_NICE"));
   EXPECT_EQ(contents(file_), "mine");
   EXPECT_EQ(mode(), oi::Mode::passive);
-  for (const hal::sim::DriveRecord& record : drives())
-    EXPECT_EQ(record.command, hal::sim::WheelSpeeds{});
+}
+
+// The drive goes on, and what was recorded by then can be read.
+TEST_F(RecordTest, FailsAtALimitOfTheFileSize) {
+  const Setup limited{.most_file_bytes = 8192};
+  Command command{drive({"--duration", "1.5", "--record", file_}), limited};
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), OneErrorLine("File too large; raise the limit"));
+  EXPECT_THAT(command.out(), HasSubstr("Wheel speed"));
+  EXPECT_EQ(mode(), oi::Mode::passive);
+  EXPECT_TRUE(stands_still());
+  EXPECT_EQ(std::filesystem::file_size(file_), 8192U);
+  Command replays{{"replay", file_}};
+  EXPECT_EQ(replays.exit_code(), 0) << replays.err();
+  EXPECT_THAT(replays.out(), HasSubstr("all the same"));
+}
+
+TEST_F(RecordTest, FailsOnAFullDisk) {
+  Command command{drive({"--duration", "0.6", "--record", "/dev/full"})};
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), OneErrorLine("cannot write /dev/full: No space left"));
+  EXPECT_TRUE(stands_still());
 }
 
 }  // namespace

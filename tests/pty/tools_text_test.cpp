@@ -147,7 +147,7 @@ TEST(DecodeTool, RefusesWhatIsNoByte) {
   EXPECT_THAT(error({"137", "255"}), HasSubstr("ask for decimal with --decimal"));
   EXPECT_THAT(error({"8g"}), HasSubstr("'8g' is no byte in hexadecimal"));
   EXPECT_THAT(error({"--decimal", "256"}), HasSubstr("'256' is no byte"));
-  EXPECT_THAT(error({"--binary", "/nowhere/at/all"}), HasSubstr("cannot open /nowhere/at/all"));
+  EXPECT_THAT(error({"--binary", "/nowhere/at/all"}), HasSubstr("cannot read /nowhere/at/all"));
   EXPECT_THAT(error({}), HasSubstr("there are no bytes"));
 }
 
