@@ -6,7 +6,10 @@ static const int64_t kSecondNs = 1000000000;
 
 static int drive_ahead(struct cargobay_robot* robot) {
   struct cargobay_state state = {.size = sizeof state};
+  char missing[1500];
   if (cargobay_start(robot) != 0) return -1;
+  /* It drives without real-time rights too, and says how to get them. */
+  if (cargobay_missing_rights(robot, missing, sizeof missing) > 0) fputs(missing, stderr);
   while (state.time_ns < 2 * kSecondNs) {
     /* With every frame: a setpoint that nobody renews lapses after half a second. */
     if (cargobay_drive(robot, 200.0, 0.0) != 0) return -1;

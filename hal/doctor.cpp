@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "gpio/line.hpp"
+#include "hal/port_users.hpp"
 #include "hal/task_list.hpp"
 
 namespace cargobay::hal {
@@ -85,8 +86,9 @@ Finding kernel(const fs::path& root) {
 }
 
 // explain() puts the remedy behind a colon.
-Finding refusal(std::string_view check, Verdict verdict, const rt::Refusal& refusal) {
-  const std::string text = rt::explain(refusal);
+Finding refusal(std::string_view check, Verdict verdict, const rt::Refusal& refusal,
+                const rt::Rights& rights) {
+  const std::string text = rt::explain(refusal, rights);
   const std::size_t colon = text.find(": ");
   Finding finding{check, verdict, text.substr(0, colon)};
   if (colon != std::string::npos) finding.remedy = text.substr(colon + 2);
@@ -99,28 +101,28 @@ std::vector<Finding> rights(const Examination& examination) {
   if (grant.fifo)
     findings.push_back({"fifo", Verdict::good,
                         "SCHED_FIFO priority " + std::to_string(grant.priority) + " is granted"});
-  if (grant.memory_locked) findings.push_back({"memory", Verdict::good, "memory can be locked"});
+  if (grant.memory_locked && grant.lock_limit_bytes == 0)
+    findings.push_back({"memory", Verdict::good, "memory can be locked"});
   if (grant.dma_latency_held)
     findings.push_back({"sleep", Verdict::good, "the CPU is kept from deep sleep"});
   for (const rt::Refusal& refused : grant.refusals) {
     switch (refused.right) {
       case rt::Refusal::Right::fifo:
-        findings.push_back(refusal("fifo", Verdict::bad, refused));
-        // Root is refused for one reason only.
-        if (refused.error == EPERM && geteuid() == 0)
-          findings.back().remedy =
-              "the control group has no real-time budget (CONFIG_RT_GROUP_SCHED): give its "
-              "cpu.rt_runtime_us some, or boot with rt_group_sched=0";
+        findings.push_back(refusal("fifo", Verdict::bad, refused, examination.rights));
         break;
       case rt::Refusal::Right::memory_lock:
-        findings.push_back(refusal("memory", Verdict::bad, refused));
+        findings.push_back(refusal("memory", Verdict::bad, refused, examination.rights));
+        break;
+      case rt::Refusal::Right::whole_memory:
+        findings.push_back(refusal("memory", Verdict::advice, refused, examination.rights));
         break;
       case rt::Refusal::Right::dma_latency:
-        findings.push_back(refusal("sleep", Verdict::advice, refused));
+        findings.push_back(refusal("sleep", Verdict::advice, refused, examination.rights));
         break;
       case rt::Refusal::Right::affinity:
+      case rt::Refusal::Right::stack:
       case rt::Refusal::Right::thread:
-        findings.push_back(refusal("thread", Verdict::bad, refused));
+        findings.push_back(refusal("thread", Verdict::bad, refused, examination.rights));
         break;
     }
   }
@@ -251,7 +253,7 @@ Finding rivals(const Examination& examination, std::vector<Task> programs) {
 
 Finding reachable(const std::string& port) {
   if (access(port.c_str(), R_OK | W_OK) == 0)
-    return {"port", Verdict::good, port + " may be opened"};
+    return {"port", Verdict::good, "there is permission to open " + port};
   if (errno == ENOENT)
     return {"port", Verdict::bad, "there is no " + port,
             "plug the cable in, or list what there is with: cargobay ports"};
@@ -278,16 +280,21 @@ std::optional<Finding> console(const fs::path& root, const std::string& tty) {
   return std::nullopt;
 }
 
-std::optional<Finding> getty(const fs::path& root, const std::string& tty) {
-  for (const fs::path& process : processes(root / "proc")) {
-    if (contents(process / "comm").find("getty") == std::string::npos) continue;
-    std::string words = contents(process / "cmdline");
-    std::replace(words.begin(), words.end(), '\0', ' ');
-    if ((" " + words + " ").find(" " + tty + " ") == std::string::npos) continue;
-    return Finding{"getty", Verdict::bad, "a login prompt waits on " + tty,
-                   "sudo systemctl disable --now serial-getty@" + tty};
+// A user each. As an ordinary user one does not see all of them.
+std::vector<Finding> users(const std::string& path, const fs::path& root) {
+  const PortUsers users = find_port_users(path, root);
+  std::vector<Finding> findings;
+  for (const PortUser& user : users.found) {
+    findings.push_back(
+        {"users", Verdict::bad, describe(user) + " has " + path + " open", remedy(user, root)});
   }
-  return std::nullopt;
+  if (!findings.empty()) return findings;
+  std::string what = "no other process has it open";
+  if (users.unseen > 0) {
+    what = "no process of yours has it open; " + std::to_string(users.unseen) +
+           " of others cannot be looked into: run as root to see those";
+  }
+  return {{"users", Verdict::good, what}};
 }
 
 std::optional<Finding> latency_timer(const fs::path& root, const std::string& tty) {
@@ -304,10 +311,11 @@ std::vector<Finding> port(const Examination& examination, const fs::path& root) 
   std::vector<Finding> findings{reachable(examination.port)};
   std::error_code error;
   const std::string tty = fs::weakly_canonical(examination.port, error).filename().string();
-  for (auto&& finding :
-       {mini_uart(root, tty), console(root, tty), getty(root, tty), latency_timer(root, tty)}) {
+  for (auto&& finding : {mini_uart(root, tty), console(root, tty), latency_timer(root, tty)}) {
     if (finding) findings.push_back(*finding);
   }
+  if (fs::exists(examination.port, error))
+    std::ranges::copy(users(examination.port, root), std::back_inserter(findings));
   return findings;
 }
 

@@ -24,10 +24,11 @@ struct Finding {
 };
 
 struct Examination {
-  std::string port{};         // empty: the port is not looked at
-  int priority = 80;          // SCHED_FIFO, of the loop
-  rt::RealtimeGrant grant{};  // what the kernel gave when it was tried
-  std::string root{};         // in front of /proc and /sys; for tests
+  std::string port{};                    // empty: the port is not looked at
+  int priority = 80;                     // SCHED_FIFO, of the loop
+  rt::RealtimeGrant grant{};             // what the kernel gave when it was tried
+  rt::Rights rights = rt::own_rights();  // of who tried
+  std::string root{};                    // in front of /proc and /sys; for tests
 };
 
 // Reads some hundred files of /proc and /sys: blocks for as long as that takes; allocates.

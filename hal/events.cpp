@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 
+#include "hal/port_users.hpp"
+
 namespace cargobay::hal {
 namespace {
 
@@ -107,6 +109,7 @@ std::string_view name(EventKind what) {
     case EventKind::control_refused: return "control_refused";
     case EventKind::bump_began: return "bump_began";
     case EventKind::bump_ended: return "bump_ended";
+    case EventKind::port_shared: return "port_shared";
   }
   return "";
 }
@@ -151,6 +154,10 @@ std::string describe(const Event& event) {
       return "the control function asked for speeds that no robot can do; the wheels stop";
     case EventKind::bump_began: return "the robot bumped into something " + describe(event.bumps);
     case EventKind::bump_ended: return "nothing touches the bumper any more";
+    case EventKind::port_shared: {
+      const PortUser user{.id = event.process, .name = event.process_name.data()};
+      return describe(user) + " has the port open too and may take bytes from it: " + remedy(user);
+    }
   }
   return "";
 }

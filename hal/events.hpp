@@ -2,6 +2,7 @@
 // data, through a ring from the control thread to one other.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -53,6 +54,7 @@ enum class EventKind : std::uint8_t {
                     // robot's range: the wheels stop until it asks for others
   bump_began,       // `bumps`: those that were not there before
   bump_ended,       // the last of them is gone
+  port_shared,      // `process`, `process_name`: it has the port open too, and frames go missing
 };
 
 struct BatteryState {
@@ -73,6 +75,8 @@ struct Event {
   BatteryState battery{};
   std::uint32_t frames = 0;
   Bumps bumps{};
+  std::int32_t process = 0;
+  std::array<char, 16> process_name{};  // as the kernel has it, with a 0 behind it
 };
 
 // An event that finds it full is dropped and counted.
@@ -84,7 +88,7 @@ std::string_view name(EventKind what);
 std::string_view name(Hazard hazard);
 
 // In words, one line without the time: "the robot went from its mode to passive: a cliff at the
-// front left". Allocates.
+// front left". Allocates; for port_shared it looks at the process for what to do about it.
 std::string describe(const Event& event);
 // "the left wheel hangs in the air and a cliff at the left"; empty where there is none. Allocates.
 std::string describe(Hazards hazards);

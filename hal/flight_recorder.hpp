@@ -42,6 +42,8 @@ class FlightRecorder {
   void asked(const Request& request) noexcept CARGOBAY_NONBLOCKING;
   // To be set in the cycle whose recorder this is; it calls state() and asked().
   StateObserver observer();
+  // That the calls from the control thread touch, beside the recorder itself.
+  std::span<const std::byte> memory() const { return std::as_bytes(std::span{words_}); }
   // The last; makes everything visible.
   void ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING;
 

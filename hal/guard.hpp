@@ -15,6 +15,7 @@
 
 #include <chrono>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "hal/byte_stream.hpp"
@@ -56,6 +57,8 @@ class Guard {
   void begin_driving();
   void end_driving();
   GuardMark mark() { return GuardMark{*block_, process_}; }
+  // That the control thread touches; as long as the guard.
+  std::span<const std::byte> memory() const { return std::as_bytes(std::span{block_, 1}); }
 
   // The robot is told to run a demo: to be aborted in the end.
   void expect_demo() { block_->demo.store(true, std::memory_order_release); }

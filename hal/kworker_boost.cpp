@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hal/task_list.hpp"
+#include "rt/rights.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -80,9 +81,11 @@ void KworkerBoost::keep_raised() {
 }
 
 std::string explain_kworker_boost(int error) {
-  return "raising the kworkers refused (" + std::generic_category().message(error) +
-         "): run as root or grant CAP_SYS_NICE; rtprio in /etc/security/limits.d is not enough for "
-         "threads of the kernel";
+  return "raising the kworkers refused (" + std::generic_category().message(error) + "): " +
+         (rt::own_rights().origin == rt::Rights::Origin::container
+              ? "start the container with --cap-add SYS_NICE --pid=host"
+              : "run as root or grant CAP_SYS_NICE") +
+         "; a limit for real-time priorities is not enough for threads of the kernel";
 }
 
 }  // namespace cargobay::hal

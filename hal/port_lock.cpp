@@ -7,9 +7,19 @@
 
 #include <cerrno>
 
+#include "hal/port_users.hpp"
 #include "hal/tty_speed.hpp"
 
 namespace cargobay::hal {
+namespace {
+
+std::string who_uses(const std::string& path) {
+  const PortUsers users = find_port_users(path);
+  if (users.found.empty()) return "another process; see who it is with: sudo fuser -v " + path;
+  return "another process, " + describe(users.found) + ": " + remedy(users.found.front());
+}
+
+}  // namespace
 
 Failure cannot_open(const std::string& path, int error) {
   const std::error_code code{error, std::generic_category()};
@@ -33,7 +43,7 @@ Failure cannot_open(const std::string& path, int error) {
                   "permission denied; join the group that owns it (sudo adduser $USER dialout) and "
                   "log in anew",
               code};
-    case EBUSY: return {what + "in use by another process; find it with: fuser -v " + path, code};
+    case EBUSY: return {what + "in use by " + who_uses(path), code};
     default: return {what + code.message(), code};
   }
 }

@@ -1,7 +1,10 @@
 #include "hal/robot.hpp"
 
+#include <malloc.h>
+
 #include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -20,7 +23,11 @@ double input_delay_s(std::uint32_t baud) {
 
 Failure refused(const rt::RealtimeGrant& grant) {
   std::string message = "real-time rights are required but";
-  for (const rt::Refusal& refusal : grant.refusals) message += " " + rt::explain(refusal) + ";";
+  for (const rt::Refusal& refusal : grant.refusals) {
+    if (refusal.right == rt::Refusal::Right::fifo ||
+        refusal.right == rt::Refusal::Right::memory_lock)
+      message += " " + rt::explain(refusal) + ";";
+  }
   message += " or leave out --require-rt";
   return {std::move(message), std::make_error_code(std::errc::operation_not_permitted)};
 }
@@ -86,7 +93,9 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
     return Failure{std::string{kGuardLost} + ", and the robot was not driven; " + kGuardRemedy};
   }
   // The thread waits for the verdict: without the rights required the robot never moves.
-  rt::RealtimeGrant grant = thread_.start(options_.realtime, [this] {
+  rt::RealtimeRequest wanted = options_.realtime;
+  wanted.memory = memory_of_loop();
+  rt::RealtimeGrant grant = thread_.start(wanted, [this] {
     permission_.wait(Permission::pending, std::memory_order_acquire);
     if (permission_.load(std::memory_order_acquire) == Permission::run) run();
     ended_.store(true, std::memory_order_release);
@@ -102,6 +111,7 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
     (void)stop();  // the refusal is what matters
     return refused(grant);
   }
+  start_port_watch();
   return grant;
 }
 
@@ -115,6 +125,35 @@ void Robot::run() {
   ended_.store(true, std::memory_order_release);
   doorbell_.ring();
   leave();
+}
+
+// All that a pass touches, but for code and what the control function has of its own.
+std::vector<rt::Memory> Robot::memory_of_loop() const {
+  const auto on_heap = [](const void* object) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it only asks
+    const std::size_t bytes = malloc_usable_size(const_cast<void*>(object));
+    return rt::Memory{static_cast<const std::byte*>(object), bytes};
+  };
+  std::vector<rt::Memory> memory{on_heap(this), on_heap(cycle_.get()),
+                                 on_heap(dynamic_cast<const void*>(stream_.get())),
+                                 recorder_.memory()};
+  if (const Guard* const guard = duty_->guard()) memory.push_back(guard->memory());
+  return memory;
+}
+
+// Without it the robot drives as well.
+void Robot::start_port_watch() {
+  const int descriptor = stream_->terminal().descriptor;
+  if (descriptor < 0) return;
+  std::error_code error;
+  const auto path =
+      std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
+  if (error) return;
+  (void)port_watch_.start(path, [this] {
+    const FrameCounters frames = cycle_->counters().frames;
+    const auto state = cycle_->state();
+    return PortWatch::Progress{.missed = frames.bad + frames.lost, .tick = state ? state->tick : 0};
+  });
 }
 
 void Robot::leave() {
@@ -184,6 +223,7 @@ Robot::Farewell Robot::stop() {
   farewell_.port_error = cycle_->port_error();
   leave();                                                     // unless the thread has
   farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join() ordered it
+  port_watch_.stop();
   if (farewell_.end != CycleEnd::asked) farewell_.last = last_exchanges(recorder_, kLastFrames);
   return farewell_;
 }

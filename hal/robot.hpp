@@ -14,6 +14,7 @@
 #include "hal/exchange.hpp"
 #include "hal/flight_recorder.hpp"
 #include "hal/guard.hpp"
+#include "hal/port_watch.hpp"
 #include "hal/recording_header.hpp"
 #include "hal/recording_stream.hpp"
 #include "hal/result.hpp"
@@ -58,6 +59,9 @@ class Robot {
   // The running cycle: state, setpoints, request_stop().
   ControlCycle& cycle() { return *cycle_; }
   const BringUpReport& bring_up_report() const { return report_; }
+  // From one other thread: what happened to the robot or its port, the oldest first; false where
+  // nothing did. Locks.
+  bool next_event(Event& event) { return cycle_->next_event(event) || port_watch_.next(event); }
   // What the cycle has learnt and done lately, for hal/recording_file.hpp; from any thread.
   const FlightRecorder& flight_recorder() const { return recorder_; }
   // The header of a recording that begins now.
@@ -98,6 +102,8 @@ class Robot {
   void leave();
   void note_end(CycleEnd end);
   StateObserver observer();
+  std::vector<rt::Memory> memory_of_loop() const;
+  void start_port_watch();
 
   std::unique_ptr<ByteStream> stream_;  // outlives cycle_
   RobotOptions options_;
@@ -107,6 +113,7 @@ class Robot {
   std::unique_ptr<ControlCycle> cycle_;
   std::unique_ptr<Duty> duty_;  // ends before its stream
   rt::RealtimeThread thread_;
+  PortWatch port_watch_;  // of cycle_
   enum class Permission : std::uint8_t { pending, run, refused };
   std::atomic<Permission> permission_{Permission::pending};  // by what the kernel granted
   std::atomic<CycleEnd> cycle_end_{CycleEnd::asked};         // farewell_ is the owner's

@@ -23,7 +23,9 @@ std::optional<Number> number(std::string_view text) {
 
 // proc(5): the name stands in brackets, and may hold any character.
 std::optional<Task> read_task(const fs::path& folder) {
-  constexpr std::size_t kFlags = 6;  // counted from the state, the first behind the name
+  constexpr std::size_t kParent = 1;  // counted from the state, the first behind the name
+  constexpr std::size_t kTerminal = 4;
+  constexpr std::size_t kFlags = 6;
   constexpr std::size_t kPriority = 37;
   constexpr unsigned long kKernelThread = 0x00200000;  // PF_KTHREAD
   std::ifstream file{folder / "stat", std::ios::binary};
@@ -35,11 +37,15 @@ std::optional<Task> read_task(const fs::path& folder) {
   const std::vector<std::string> words{std::istream_iterator<std::string>{fields}, {}};
   if (words.size() <= kPriority) return std::nullopt;
   const auto id = number<pid_t>(folder.filename().string());
+  const auto parent = number<pid_t>(words[kParent]);
+  const auto terminal = number<long>(words[kTerminal]);
   const auto flags = number<unsigned long>(words[kFlags]);
   const auto priority = number<long>(words[kPriority]);
-  if (!id || !flags || !priority) return std::nullopt;
+  if (!id || !parent || !terminal || !flags || !priority) return std::nullopt;
   return Task{.id = *id,
               .name = stat.substr(open + 1, close - open - 1),
+              .parent = *parent,
+              .terminal = *terminal,
               .priority = *priority,
               .of_kernel = (*flags & kKernelThread) != 0};
 }

@@ -13,6 +13,8 @@ namespace cargobay::hal {
 struct Task {
   pid_t id = 0;
   std::string name{};
+  pid_t parent = 0;
+  long terminal = 0;  // the number of the one that controls it (proc(5), tty_nr); 0: none
   long priority = 0;  // of SCHED_FIFO and SCHED_RR; 0 for others
   bool of_kernel = false;
 

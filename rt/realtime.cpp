@@ -3,13 +3,13 @@
 #include <fcntl.h>
 #include <sched.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <system_error>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 
 namespace cargobay::rt {
@@ -31,15 +31,6 @@ void* enter(void* body) {
   return nullptr;
 }
 
-// With a finite limit, locking all future memory makes later allocations fail: then only what is
-// there is locked.
-int lock_memory() {
-  rlimit limit{};
-  const bool unlimited =
-      geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
-  return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0 ? 0 : errno;
-}
-
 // The request lasts as long as the descriptor is open (kernel:
 // Documentation/power/pm_qos_interface).
 int hold_dma_latency(RealtimeGrant& grant) {
@@ -49,17 +40,18 @@ int hold_dma_latency(RealtimeGrant& grant) {
     grant.dma_latency_held = true;
     return device;
   }
-  grant.refusals.push_back({Refusal::Right::dma_latency, errno});
+  grant.refusals.push_back({.right = Refusal::Right::dma_latency, .error = errno});
   if (device >= 0) close(device);
   return -1;
 }
 
 // Returns an errno.
-int create(pthread_t& thread, std::function<void()>& body, int fifo_priority,
+int create(pthread_t& thread, Memory stack, std::function<void()>& body, int fifo_priority,
            const std::optional<int>& cpu) {
   pthread_attr_t attributes;
   if (const int error = pthread_attr_init(&attributes); error != 0) return error;
-  pthread_attr_setstacksize(&attributes, kStackBytes);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it is writable memory, and the thread's
+  pthread_attr_setstack(&attributes, const_cast<std::byte*>(stack.data()), stack.size());
   if (fifo_priority > 0) {
     sched_param parameters{};
     parameters.sched_priority = fifo_priority;
@@ -85,56 +77,73 @@ int create(pthread_t& thread, std::function<void()>& body, int fifo_priority,
 
 }  // namespace
 
-std::string explain(const Refusal& refusal) {
-  std::string why = " (" + std::generic_category().message(refusal.error) + ")";
-  switch (refusal.right) {
-    case Refusal::Right::fifo:
-      return "SCHED_FIFO refused" + why +
-             ": run as root, grant CAP_SYS_NICE, or set 'rtprio 90' in /etc/security/limits.d";
-    case Refusal::Right::memory_lock:
-      return "locking memory refused" + why +
-             ": run as root, grant CAP_IPC_LOCK, or set 'memlock unlimited' in "
-             "/etc/security/limits.d";
-    case Refusal::Right::affinity:
-      return "the wanted CPU refused" + why +
-             ": choose one that is online (lscpu) and allowed (taskset -p)";
-    case Refusal::Right::dma_latency:
-      if (refusal.error == ENOENT) {
-        return "/dev/cpu_dma_latency is not there: the CPU may sleep deeply between frames; mount "
-               "/dev, "
-               "or use a kernel with CONFIG_PM";
-      }
-      return "/dev/cpu_dma_latency refused" + why +
-             ": run as root or give your group write access to it by a udev rule";
-    case Refusal::Right::thread:
-      return "no thread could be made" + why + ": allow more of them (ulimit -u, or TasksMax=)";
+std::string describe_memory(const RealtimeGrant& grant) {
+  if (!grant.memory_locked) return "memory not locked";
+  if (grant.lock_limit_bytes == 0) return "memory locked";
+  constexpr double kMib = 1024.0 * 1024.0;
+  std::ostringstream text;
+  text << std::setprecision(2)
+       << "the loop's memory locked: " << static_cast<double>(grant.locked_bytes) / kMib << " of "
+       << std::setprecision(4) << static_cast<double>(grant.lock_limit_bytes) / kMib
+       << " MiB allowed";
+  return text.str();
+}
+
+std::string explain(const RealtimeGrant& grant) {
+  std::string lines;
+  if (grant.refusals.empty()) return lines;
+  const Rights rights = own_rights();
+  for (const Refusal& refusal : grant.refusals) lines += explain(refusal, rights) + "\n";
+  return lines;
+}
+
+int RealtimeThread::make_stack() {
+  const auto guard = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  void* const memory = mmap(nullptr, guard + kStackBytes, PROT_READ | PROT_WRITE,
+                            MAP_PRIVATE | MAP_ANONYMOUS | MAP_STACK, -1, 0);
+  if (memory == MAP_FAILED) return errno;
+  stack_ = {static_cast<const std::byte*>(memory) + guard, kStackBytes};
+  return mprotect(memory, guard, PROT_NONE) == 0 ? 0 : errno;
+}
+
+void RealtimeThread::lock_memory(const RealtimeRequest& request, RealtimeGrant& grant) {
+  const Rights rights = own_rights();
+  std::vector<Memory> needed = request.memory;
+  needed.push_back(stack_);
+  if (const int error = memory_.lock(needed, rights); error != 0) {
+    grant.refusals.push_back({.right = Refusal::Right::memory_lock, .error = error});
+    return;
   }
-  return why;
+  grant.memory_locked = true;
+  if (memory_.extent() == MemoryLock::Extent::all) return;
+  grant.locked_bytes = memory_.bytes();
+  grant.lock_limit_bytes = rights.lock_limit.value_or(0);
+  grant.refusals.push_back({.right = Refusal::Right::whole_memory, .error = ENOMEM});
 }
 
 RealtimeGrant RealtimeThread::start(const RealtimeRequest& request, std::function<void()> body) {
   RealtimeGrant grant;
   body_ = std::move(body);
-  if (request.lock_memory) {
-    const int error = lock_memory();
-    grant.memory_locked = error == 0;
-    if (error != 0) grant.refusals.push_back({Refusal::Right::memory_lock, error});
+  if (const int error = make_stack(); error != 0) {
+    grant.refusals.push_back({.right = Refusal::Right::stack, .error = error});
+    return grant;
   }
+  if (request.lock_memory) lock_memory(request, grant);
   if (request.hold_dma_latency) dma_latency_ = hold_dma_latency(grant);
 
   int priority = request.priority;
   std::optional<int> cpu = request.cpu;
   pthread_t thread{};
   // With all that was asked for; then without what the error points at.
-  while (const int error = create(thread, body_, priority, cpu)) {
+  while (const int error = create(thread, stack_, body_, priority, cpu)) {
     if (cpu.has_value() && error == EINVAL) {
-      grant.refusals.push_back({Refusal::Right::affinity, error});
+      grant.refusals.push_back({.right = Refusal::Right::affinity, .error = error});
       cpu.reset();
     } else if (priority > 0 && error != EAGAIN) {
-      grant.refusals.push_back({Refusal::Right::fifo, error});
+      grant.refusals.push_back({.right = Refusal::Right::fifo, .error = error, .wanted = priority});
       priority = 0;
     } else {
-      grant.refusals.push_back({Refusal::Right::thread, error});
+      grant.refusals.push_back({.right = Refusal::Right::thread, .error = error});
       return grant;
     }
   }
@@ -150,6 +159,12 @@ void RealtimeThread::join() {
   thread_.reset();
   if (dma_latency_ >= 0) close(dma_latency_);
   dma_latency_ = -1;
+  memory_.unlock();
+  if (stack_.empty()) return;
+  const auto guard = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): as it was mapped
+  munmap(const_cast<std::byte*>(stack_.data()) - guard, stack_.size() + guard);
+  stack_ = {};
 }
 
 }  // namespace cargobay::rt

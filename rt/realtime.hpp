@@ -9,28 +9,27 @@
 #include <string>
 #include <vector>
 
+#include "rt/memory_lock.hpp"
+#include "rt/refusal.hpp"
+
 namespace cargobay::rt {
 
 struct RealtimeRequest {
   int priority = 80;             // SCHED_FIFO, 1 to 98
   std::optional<int> cpu{};      // the one CPU to run on
-  bool lock_memory = true;       // mlockall, now and future
+  bool lock_memory = true;       // as MemoryLock does
   bool hold_dma_latency = true;  // keeps the CPU out of deep sleep (/dev/cpu_dma_latency at 0)
+  // What the body touches beside its stack; locked where not all memory can be. Outlives the
+  // thread.
+  std::vector<Memory> memory{};
 };
-
-// Something that the kernel refused.
-struct Refusal {
-  enum class Right { fifo, memory_lock, affinity, dma_latency, thread };
-  Right right = Right::fifo;
-  int error = 0;  // errno
-};
-// What was refused, why, and what to do about it: one line.
-std::string explain(const Refusal& refusal);
 
 struct RealtimeGrant {
   bool fifo = false;
-  int priority = 0;  // 0 where fifo is false
-  bool memory_locked = false;
+  int priority = 0;                  // 0 where fifo is false
+  bool memory_locked = false;        // all of it, or the thread's stack and RealtimeRequest::memory
+  std::size_t locked_bytes = 0;      // in the second case; else 0
+  std::size_t lock_limit_bytes = 0;  // of which so many are allowed; else 0
   std::optional<int> cpu{};
   bool dma_latency_held = false;
   std::vector<Refusal> refusals{};
@@ -38,6 +37,11 @@ struct RealtimeGrant {
   // What the loop cannot do without to be called real-time.
   bool complete() const { return fifo && memory_locked; }
 };
+// "memory locked", "the loop's memory locked: 3.1 of 8 MiB allowed", "memory not locked".
+std::string describe_memory(const RealtimeGrant& grant);
+// What was refused, why, and what to do about it: a line for each refusal, with its end of line;
+// empty where nothing was. Blocks as own_rights() does.
+std::string explain(const RealtimeGrant& grant);
 
 // A thread with real-time rights as far as they can be had. Its stack, 512 KiB, is touched before
 // `body` begins, so that `body` takes no page fault on it.
@@ -48,16 +52,22 @@ class RealtimeThread {
   RealtimeThread(const RealtimeThread&) = delete;
   RealtimeThread& operator=(const RealtimeThread&) = delete;
 
-  // Locks memory, then starts the thread. Where a right is refused the thread runs without it.
+  // Locks memory, then starts the thread. Where a right is refused the thread runs without it. No
+  // later allocation fails for what is locked here.
   // Nothing runs, and `error` of the last refusal says why, where no thread could be made at all.
   // To be called once, before join().
   RealtimeGrant start(const RealtimeRequest& request, std::function<void()> body);
   bool running() const { return thread_.has_value(); }
-  // Waits for the end of `body`, and lets go of the latency request.
+  // Waits for the end of `body`, and lets go of stack, locks and latency request.
   void join();
 
  private:
+  int make_stack();  // returns an errno
+  void lock_memory(const RealtimeRequest& request, RealtimeGrant& grant);
+
   std::function<void()> body_;
+  Memory stack_{};  // with a guard page below; a mapping of its own
+  MemoryLock memory_{};
   std::optional<pthread_t> thread_;
   int dma_latency_ = -1;
 };

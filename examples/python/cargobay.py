@@ -114,6 +114,7 @@ class EventKind(enum.IntEnum):
     CONTROL_REFUSED = 13
     BUMP_BEGAN = 14
     BUMP_ENDED = 15
+    PORT_SHARED = 16
 
 
 class Extra(enum.IntFlag):
@@ -196,6 +197,7 @@ _Pointer = Annotated[Optional[int], ctypes.c_void_p]
 _PROGRESS = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_char_p)
 _Progress = Annotated[Any, _PROGRESS]
 _Covariance = Annotated[Sequence[float], ctypes.c_double * 9]
+_ProcessName = Annotated[bytes, ctypes.c_char * 16]
 _Values = Annotated[Sequence[int], ctypes.c_int32 * _PACKETS]
 _Ticks = Annotated[Sequence[int], ctypes.c_int64 * _PACKETS]
 
@@ -358,6 +360,9 @@ class Event(_Struct):
     voltage_mv: _I32
     charge_mah: _I32
     capacity_mah: _I32
+    process: _I32
+    process_name: _ProcessName  # as bytes
+    reserved: _U32
 
     def __str__(self) -> str:
         return describe(self)
@@ -496,6 +501,7 @@ def _load() -> ctypes.CDLL:
         "command": [handle, text, unsigned],
         "raw": [handle, text, size, unsigned],
         "get_statistics": [handle, pointer(Statistics)],
+        "missing_rights": [handle, text, size],
         "histogram_open": [pointer(handle)],
         "histogram_close": [handle],
         "histogram_record": [handle, time_ns],
@@ -862,6 +868,12 @@ class Robot(_Handle):
         """One or more whole commands as bytes."""
         _library.cargobay_raw(self._handle, data, len(data), how)
 
+
+    def missing_rights(self) -> str:
+        """What the kernel refused the loop, a line for each right, with what to do about it."""
+        text = ctypes.create_string_buffer(2048)
+        _library.cargobay_missing_rights(self._handle, text, len(text))
+        return text.value.decode(errors="replace")
 
     def statistics(self) -> Statistics:
         """The loop's counters."""

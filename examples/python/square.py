@@ -23,6 +23,7 @@ with contextlib.ExitStack() as stack:
         sim = stack.enter_context(VirtualCreate(time=SimTime.VIRTUAL))
         robot = stack.enter_context(Robot(sim=sim))
     robot.start()
+    print(robot.missing_rights(), end="", file=sys.stderr)
     state = robot.wait()
     for corner in range(1, 5):
         end_mm = state.distance_mm + SIDE_MM

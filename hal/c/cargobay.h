@@ -508,7 +508,8 @@ enum cargobay_event_kind {
   CARGOBAY_EVENT_SETPOINT_LAPSED = 12, /**< nobody renewed it: the wheels stop */
   CARGOBAY_EVENT_CONTROL_REFUSED = 13, /**< the control function asked for the impossible */
   CARGOBAY_EVENT_BUMP_BEGAN = 14,      /**< `bumps`: those that were not there before */
-  CARGOBAY_EVENT_BUMP_ENDED = 15       /**< the last of them is gone */
+  CARGOBAY_EVENT_BUMP_ENDED = 15,      /**< the last of them is gone */
+  CARGOBAY_EVENT_PORT_SHARED = 16 /**< frames go missing, and `process` has the port open too */
 };
 
 /** An event. What its kind does not name is 0. */
@@ -525,6 +526,9 @@ struct cargobay_event {
   int32_t voltage_mv;    /**< of the battery */
   int32_t charge_mah;    /**< what it holds */
   int32_t capacity_mah;  /**< what it can hold; 0 with ordinary batteries */
+  int32_t process;       /**< its number */
+  char process_name[16]; /**< as the kernel has it, with its 0 */
+  uint32_t reserved;     /**< 0 */
 };
 
 /**
@@ -535,7 +539,8 @@ struct cargobay_event {
 int cargobay_next_event(struct cargobay_robot* robot, struct cargobay_event* event);
 
 /**
- * In words, one line: "the robot went from its mode to passive: a cliff at the front left".
+ * In words, one line: "the robot went from its mode to passive: a cliff at the front left". Of
+ * CARGOBAY_EVENT_PORT_SHARED, with what to do about the process, as long as it is there.
  * @param text gets it, with its 0; cut off where it does not fit.
  * @return its length; CARGOBAY_E_ARGUMENT. Any thread; allocates.
  */
@@ -720,7 +725,7 @@ struct cargobay_statistics {
   uint32_t size;              /**< sizeof(struct cargobay_statistics) */
   int32_t scheduler;          /**< 1: SCHED_FIFO, 0: not granted, or virtual time */
   int32_t priority;           /**< of SCHED_FIFO; 0: none */
-  int32_t memory_locked;      /**< 1: mlockall() */
+  int32_t memory_locked;      /**< 1: all of it, or at least what the loop needs */
   int64_t ticks;              /**< of the robot */
   uint64_t frames_good;       /**< that came whole */
   uint64_t frames_bad;        /**< damaged on the way */
@@ -742,6 +747,16 @@ struct cargobay_statistics {
  * thread; real-time safe.
  */
 int cargobay_get_statistics(struct cargobay_robot* robot, struct cargobay_statistics* statistics);
+
+/**
+ * What the kernel refused the loop: a line for each right with the reason and what to do about it,
+ * in words for where the program runs (a login, a service, a container). Empty where nothing was
+ * refused, and in virtual time. 1500 characters are enough.
+ * @param text gets them, with a 0; cut off where they do not fit.
+ * @return their length; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE before
+ * cargobay_start(). Any thread; reads some files; allocates.
+ */
+int cargobay_missing_rights(struct cargobay_robot* robot, char* text, size_t text_size);
 
 /** A histogram of times with fixed memory: log-linear, exact to 0.8 %. The program's own. */
 struct cargobay_histogram;

@@ -526,6 +526,13 @@ class Robot {
     return detail::outcome(cargobay_raw(handle(), bytes.data(), bytes.size(), how));
   }
 
+  // cargobay_missing_rights().
+  Expected<std::string> missing_rights() const noexcept {
+    constexpr std::size_t kMostLines = 2048;
+    std::string buffer(kMostLines, '\0');
+    const int length = cargobay_missing_rights(handle(), buffer.data(), buffer.size());
+    return detail::text(length, std::move(buffer));
+  }
   // cargobay_get_statistics().
   Expected<Statistics> statistics() const noexcept {
     auto value = detail::sized<Statistics>();

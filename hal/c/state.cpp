@@ -1,7 +1,9 @@
 // What a program gets to know: states, events, sensors; and waiting for them.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 
 #include "hal/c/cargobay.h"
 #include "hal/c/errors.hpp"
@@ -97,6 +99,8 @@ cargobay_event c_event(const hal::Event& event) {
   known.voltage_mv = event.battery.voltage_mv;
   known.charge_mah = event.battery.charge_mah;
   known.capacity_mah = event.battery.capacity_mah;
+  known.process = event.process;
+  std::copy(event.process_name.begin(), event.process_name.end(), std::begin(known.process_name));
   return known;
 }
 
@@ -112,10 +116,13 @@ hal::Event event_of(const cargobay_event& known) {
   event.battery = {.voltage_mv = known.voltage_mv,
                    .charge_mah = known.charge_mah,
                    .capacity_mah = known.capacity_mah};
+  event.process = known.process;
+  std::copy_n(std::begin(known.process_name), event.process_name.size() - 1,
+              event.process_name.begin());
   return event;
 }
 
-static_assert(static_cast<int>(hal::EventKind::bump_ended) == CARGOBAY_EVENT_BUMP_ENDED);
+static_assert(static_cast<int>(hal::EventKind::port_shared) == CARGOBAY_EVENT_PORT_SHARED);
 static_assert(static_cast<int>(hal::EventKind::frames_lost) == CARGOBAY_EVENT_FRAMES_LOST);
 static_assert(hal::Hazards{}.with(hal::Hazard::charger).raw() == CARGOBAY_CHARGER);
 
@@ -206,18 +213,18 @@ int cargobay_next_event(struct cargobay_robot* robot, struct cargobay_event* eve
     if (event == nullptr || event->size < kLeastSize) return bad_argument(kBadOut);
     cargobay::hal::Event next;
     const std::lock_guard lock{use->events};
-    if (!use->robot->cycle().next_event(next)) return 0;
+    if (!use->robot->next_event(next)) return 0;
     (void)give(c_event(next), event);  // looked at above
     return 1;
   });
 }
 
 int cargobay_describe_event(const struct cargobay_event* event, char* text, size_t text_size) {
-  if (text == nullptr) return bad_argument("`text` is NULL: give it room, 200 characters do");
+  if (text == nullptr) return bad_argument("`text` is NULL: give it room, 300 characters do");
   return guarded([&] {
     cargobay_event known{};
     if (!take(event, known)) return bad_argument("`event` is NULL or not of cargobay_next_event()");
-    if (known.kind < 0 || known.kind > CARGOBAY_EVENT_BUMP_ENDED)
+    if (known.kind < 0 || known.kind > CARGOBAY_EVENT_PORT_SHARED)
       return bad_argument("this library knows no event of that kind");
     return copy_text(cargobay::hal::describe(event_of(known)), text, text_size);
   });

@@ -78,6 +78,17 @@ int cargobay_get_statistics(struct cargobay_robot* robot, struct cargobay_statis
                                                : bad_argument(kBadOut);
 }
 
+int cargobay_missing_rights(struct cargobay_robot* robot, char* text, size_t text_size) {
+  if (text == nullptr) return bad_argument("`text` is NULL: give it room, 1500 characters do");
+  return guarded([&] {
+    const RobotUse use = robots().use(robot);
+    if (!use) return no_robot();
+    if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
+    const auto lines = use->grant ? cargobay::rt::explain(*use->grant) : std::string{};
+    return copy_text(lines, text, text_size);
+  });
+}
+
 int cargobay_histogram_open(struct cargobay_histogram** histogram) {
   if (histogram == nullptr)
     return bad_argument("`histogram` is NULL: give the address of a pointer");

@@ -57,7 +57,8 @@ void add_doctor(CLI::App& app, Action& chosen) {
       "doctor",
       "Look for what spoils real time or the link on this machine, and say what to do about it.\n"
       "Changes nothing. Exit status 1 where something is bad; advice is not.");
-  command->add_option("--port", options->port, "Look at this serial port too");
+  command->add_option("--port", options->port,
+                      "Look at this serial port too, and at who has it open");
   command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop")
       ->check(CLI::Range(1, 98))
       ->capture_default_str();

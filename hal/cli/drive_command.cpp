@@ -193,7 +193,7 @@ class Drive {
     auto grant = robot.start({.function = &Driver::control, .context = &driver_});
     if (!grant) return grant;
     if (recording_) recording_->publish();
-    links_.begin_link(robot.cycle());
+    links_.begin_link(robot);
     if (links_.reconnects() > 0)
       print_remark(fmt::format("back after {:.1f} s", rt::seconds(links_.latest_without())));
     return grant;

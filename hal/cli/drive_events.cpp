@@ -77,6 +77,9 @@ void put_details(Json& out, const hal::Event& event) {
                         {"capacity_mah", event.battery.capacity_mah}};
       break;
     case Kind::frames_lost: out["frames"] = event.frames; break;
+    case Kind::port_shared:
+      out["process"] = {{"id", event.process}, {"name", event.process_name.data()}};
+      break;
     default: break;  // the kind says it all
   }
 }

@@ -8,6 +8,7 @@
 #include "hal/cli/drive_log.hpp"
 #include "hal/control_cycle.hpp"
 #include "hal/events.hpp"
+#include "hal/robot.hpp"
 #include "hal/sim/server.hpp"
 #include "rt/clock.hpp"
 #include "rt/histogram.hpp"
@@ -21,8 +22,8 @@ class DriveLinks {
   // `server` may be null, and outlives this.
   explicit DriveLinks(hal::sim::Server* server) : server_{server} {}
 
-  // `cycle`, which has just been started, is followed until end_link().
-  void begin_link(hal::ControlCycle& cycle);
+  // `robot`, which has just been started, is followed until end_link().
+  void begin_link(hal::Robot& robot);
   // Takes what is there; now and then, while it runs.
   void collect();
   // It has run, and is still there.
@@ -45,7 +46,7 @@ class DriveLinks {
 
  private:
   hal::sim::Server* server_;
-  hal::ControlCycle* cycle_ = nullptr;
+  hal::Robot* robot_ = nullptr;
   std::int64_t ticks_before_ = 0;  // of the links before this
   rt::TimePoint last_heard_{};
   std::vector<hal::CycleState> states_;

@@ -42,7 +42,7 @@ void put_timing(std::string& out, std::string_view what, const rt::Histogram& hi
 std::string rights(const rt::RealtimeGrant& grant) {
   std::string out = grant.fifo ? fmt::format("SCHED_FIFO priority {}", grant.priority)
                                : "ordinary scheduling (SCHED_OTHER)";
-  out += grant.memory_locked ? ", memory locked" : ", memory not locked";
+  out += ", " + rt::describe_memory(grant);
   if (grant.cpu.has_value()) out += fmt::format(", CPU {}", *grant.cpu);
   return out;
 }

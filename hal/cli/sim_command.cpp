@@ -189,9 +189,14 @@ int run(const ServeOptions& options) {
   if (const std::error_code error = start(robots)) {
     return fail("cannot start the virtual Create: " + error.message());
   }
-  if (std::any_of(robots.begin(), robots.end(),
-                  [](const Served& robot) { return robot.server->priority_error() != 0; })) {
-    print_remark("SCHED_FIFO refused: run as root or grant CAP_SYS_NICE; serving without");
+  const auto refused = std::find_if(robots.begin(), robots.end(), [](const Served& robot) {
+    return robot.server->priority_error() != 0;
+  });
+  if (refused != robots.end()) {
+    print_remark(rt::explain({.right = rt::Refusal::Right::fifo,
+                              .error = refused->server->priority_error(),
+                              .wanted = options.priority}) +
+                 "; serving without");
   }
   for (const Served& robot : robots) fmt::print("listening on {}\n", robot.announced);
   std::fflush(stdout);

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <ctime>
@@ -58,9 +59,19 @@ GuardBlock* map_block() {
   return block->version == GuardBlock::kVersion ? block : nullptr;
 }
 
+// More than the guard ever needs.
+[[gnu::noinline]] void touch_stack() {
+  constexpr std::size_t kBytes = std::size_t{64} * 1024;
+  constexpr std::size_t kPage = 4096;
+  std::array<volatile std::uint8_t, kBytes> pages{};
+  for (std::size_t i = 0; i < pages.size(); i += kPage) pages[i] = 1;
+}
+
 // As far as it may: without these it serves as well as the scheduler lets it.
 void take_rights(const GuardBlock& block) {
-  (void)mlockall(MCL_CURRENT | MCL_FUTURE);
+  // Not what comes later: nothing does but the stack, which could not grow beyond a limit.
+  touch_stack();
+  (void)mlockall(MCL_CURRENT);
   cpu_set_t all;
   CPU_ZERO(&all);
   for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu) CPU_SET(cpu, &all);

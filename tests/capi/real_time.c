@@ -51,7 +51,11 @@ static void serves_many_threads(void) {
   pthread_t threads[3];
   SIZED(cargobay_statistics, counted);
   SIZED(cargobay_state, state);
+  char missing[1500];
+  CHECK_FAILS(cargobay_missing_rights(robot, NULL, 0), CARGOBAY_E_ARGUMENT, "NULL");
+  CHECK_FAILS(cargobay_missing_rights(robot, missing, sizeof missing), CARGOBAY_E_STATE, "start");
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
+  CHECK(cargobay_missing_rights(robot, missing, sizeof missing) == (int)strlen(missing));
   for (int i = 0; i < 3; ++i) {
     readers[i] = (struct reader){robot, 0, 0};
     CHECK(pthread_create(&threads[i], NULL, reads_frames, &readers[i]) == 0);

@@ -38,7 +38,7 @@ TEST(DoctorCommand, SaysHowToGetRights) {
   Command command{{"doctor"}, {.user = Command::Setup::User::nobody}};
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.out(), HasSubstr("bad     fifo        SCHED_FIFO refused"));
-  EXPECT_THAT(command.out(), HasSubstr("rtprio 90"));
+  EXPECT_THAT(command.out(), HasSubstr("rtprio"));
 }
 
 TEST(DoctorCommand, RefusesAPriorityThatIsNone) {

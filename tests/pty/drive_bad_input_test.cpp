@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Each, DriveBadInputTest, testing::ValuesIn(kBadInputs),
 class BadPortTest : public DriveTest {
  protected:
   // Refuses this port, and says so.
-  void expect_refused(const std::string& path, const char* says, const Setup& setup = {}) {
+  void expect_refused(const std::string& path, const std::string& says, const Setup& setup = {}) {
     port_ = path;
     Command command{drive({"--duration", "60"}), setup};
     EXPECT_EQ(command.exit_code(), 1);
@@ -129,8 +129,12 @@ TEST_F(BadPortTest, IsForbidden) {
 TEST_F(BadPortTest, IsBusy) {
   Command first{drive({"--duration", "60"})};
   ASSERT_TRUE(starts_to_move());
-  expect_refused(port_, "in use by another process; find it with: fuser");
-  expect_refused(port_, "in use by another process", kNobody);
+  const std::string name = "cargobay (process " + std::to_string(first.process()) + ")";
+  expect_refused(port_, "in use by another process, " + name + ": stop it");
+  expect_refused(port_, "in use by another process, " + name, kNobody);
+  Command doctor{{"doctor", "--port", port_}};
+  EXPECT_EQ(doctor.exit_code(), 1);
+  EXPECT_THAT(doctor.out(), HasSubstr(name + " has " + port_ + " open"));
 
   EXPECT_TRUE(drives_on());
   first.send(SIGINT);

@@ -1,0 +1,138 @@
+#include "rt/memory_lock.hpp"
+
+#include <link.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <string>
+#include <utility>
+
+namespace cargobay::rt {
+namespace {
+
+std::uintptr_t address(const void* place) {
+  return reinterpret_cast<std::uintptr_t>(place);  // NOLINT(*-reinterpret-cast): for page sums
+}
+void* place(std::uintptr_t address) {
+  return reinterpret_cast<void*>(address);  // NOLINT(*-reinterpret-cast,performance-no-int-to-ptr)
+}
+
+std::size_t page_bytes() {
+  static const auto bytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  return bytes;
+}
+
+struct Pages {
+  std::uintptr_t first = 0;
+  std::uintptr_t end = 0;
+  std::size_t bytes() const { return end > first ? end - first : 0; }
+};
+Pages pages_around(Memory memory) {
+  const std::uintptr_t page = page_bytes();
+  const std::uintptr_t first = address(memory.data());
+  return {.first = first / page * page, .end = (first + memory.size() + page - 1) / page * page};
+}
+Pages pages_within(Memory memory) {
+  const std::uintptr_t page = page_bytes();
+  const std::uintptr_t first = address(memory.data());
+  return {.first = (first + page - 1) / page * page, .end = (first + memory.size()) / page * page};
+}
+
+// The program itself may have asked for it, and is not to lose it here.
+bool future_is_locked() {
+  const std::size_t page = page_bytes();
+  void* const fresh =
+      mmap(nullptr, page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (fresh == MAP_FAILED) return false;
+  unsigned char resident = 0;
+  const bool locked = mincore(fresh, page, &resident) == 0 && (resident & 1U) != 0;
+  munmap(fresh, page);
+  return locked;
+}
+
+// The kernel grows a stack by its lowest page, and asks there whether it is locked. (mlock(2),
+// kernel: acct_stack_growth().)
+void let_main_stack_grow() {
+  std::ifstream maps{"/proc/self/maps"};
+  for (std::string line; std::getline(maps, line);) {
+    if (!line.ends_with("[stack]")) continue;
+    constexpr int kHexadecimal = 16;
+    std::uintptr_t lowest = 0;
+    std::from_chars(line.data(), line.data() + line.size(), lowest, kHexadecimal);
+    if (lowest != 0) munlock(place(lowest), page_bytes());
+  }
+}
+
+// The segments of the program or library that this function is in.
+std::vector<Memory> own_code() {
+  std::vector<Memory> segments;
+  const auto visit = [](dl_phdr_info* object, std::size_t /*size*/, void* found) {
+    auto& all = *static_cast<std::vector<Memory>*>(found);
+    std::vector<Memory> of_object;
+    bool ours = false;
+    for (const ElfW(Phdr) & part : std::span{object->dlpi_phdr, object->dlpi_phnum}) {
+      if (part.p_type != PT_LOAD) continue;
+      const std::uintptr_t first = object->dlpi_addr + part.p_vaddr;
+      of_object.emplace_back(static_cast<const std::byte*>(place(first)), part.p_memsz);
+      const std::uintptr_t here = address(place(reinterpret_cast<std::uintptr_t>(&own_code)));
+      ours = ours || (here >= first && here < first + part.p_memsz);
+    }
+    if (!ours) return 0;
+    all = std::move(of_object);
+    return 1;
+  };
+  dl_iterate_phdr(visit, &segments);
+  return segments;
+}
+
+}  // namespace
+
+int MemoryLock::lock(const std::vector<Memory>& needed, const Rights& rights) {
+  bytes_ = 0;
+  for (const Memory memory : needed) bytes_ += pages_around(memory).bytes();
+  if (!rights.lock_limit) {
+    if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno;
+    extent_ = Extent::all;
+    return 0;
+  }
+  if (rights.has(Capability::ipc_lock) &&
+      mlockall(future_is_locked() ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) {
+    let_main_stack_grow();
+    extent_ = Extent::all;
+    return 0;
+  }
+  const int error = lock_pieces(needed, *rights.lock_limit);
+  if (error != 0) unlock();
+  return error;
+}
+
+int MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::size_t limit) {
+  for (const Memory memory : needed) {
+    const Pages pages = pages_around(memory);
+    if (mlock(place(pages.first), pages.bytes()) != 0) return errno;
+    pieces_.push_back(memory);
+  }
+  extent_ = Extent::needed;
+  std::size_t sum = bytes_;
+  for (const Memory memory : own_code()) {
+    const Pages pages = pages_around(memory);
+    sum += pages.bytes();
+    if (sum > limit / 4 * 3) break;
+    // Stays locked: other loops may need it. Where it is refused, a page fault costs time, once.
+    (void)mlock(place(pages.first), pages.bytes());
+  }
+  return 0;
+}
+
+void MemoryLock::unlock() {
+  for (const Memory memory : std::exchange(pieces_, {})) {
+    const Pages pages = pages_within(memory);
+    if (pages.bytes() > 0) munlock(place(pages.first), pages.bytes());
+  }
+  extent_ = Extent::none;
+}
+
+}  // namespace cargobay::rt

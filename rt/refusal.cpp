@@ -1,0 +1,147 @@
+#include "rt/refusal.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace cargobay::rt {
+namespace {
+
+using Origin = Rights::Origin;
+
+constexpr int kUsualPriority = 80;
+constexpr int kGuardAbove = 10;  // the guard of the loop is above it
+constexpr int kMostPriority = 98;
+
+std::string size(std::uint64_t bytes) {
+  constexpr std::uint64_t kKib = 1024;
+  if (bytes >= kKib * kKib) return std::to_string(bytes / (kKib * kKib)) + " MiB";
+  return std::to_string(bytes / kKib) + " KiB";
+}
+
+// The words of one right for each of those who can give it.
+struct Remedy {
+  const char* capability;  // without "CAP_"
+  std::string container;
+  std::string unit;
+  std::string login;
+};
+
+std::string remedy(const Rights& rights, const Remedy& words) {
+  const std::string capability = words.capability;
+  switch (rights.origin) {
+    case Origin::container:
+      if (rights.namespaced) {
+        return "start the container as root of the host with --cap-add " + capability +
+               " --ulimit " + words.container + "; or set '" + words.login +
+               "' in the host's /etc/security/limits.d for the user who starts it, log in again, "
+               "and start it with --ulimit " +
+               words.container;
+      }
+      return "start the container with --cap-add " + capability + " --ulimit " + words.container;
+    case Origin::service:
+      return "set AmbientCapabilities=CAP_" + capability + " or " + words.unit +
+             " in the service's unit (systemctl edit), and restart it";
+    case Origin::login: break;
+  }
+  return "run as root, grant CAP_" + capability + ", or set '" + words.login +
+         "' in /etc/security/limits.d, which counts from the next login";
+}
+
+std::string fifo_remedy(const Rights& rights, int priority) {
+  const int limit = std::min(priority + kGuardAbove, kMostPriority);
+  return remedy(rights, {.capability = "SYS_NICE",
+                         .container = "rtprio=95",
+                         .unit = "LimitRTPRIO=95",
+                         .login = "rtprio " + std::to_string(limit)});
+}
+
+std::string memory_remedy(const Rights& rights) {
+  return remedy(rights, {.capability = "IPC_LOCK",
+                         .container = "memlock=-1",
+                         .unit = "LimitMEMLOCK=infinity",
+                         .login = "memlock unlimited"});
+}
+
+// The kernel's own order: the rights first, then what its groups and filters say.
+std::string explain_fifo(const Rights& rights, int priority) {
+  if (!rights.has(Capability::sys_nice) &&
+      rights.priority_limit < static_cast<std::uint64_t>(priority)) {
+    return ", without CAP_SYS_NICE and with a priority limit of " +
+           std::to_string(rights.priority_limit) + ": " + fifo_remedy(rights, priority);
+  }
+  if (rights.no_realtime_budget) {
+    return ", the control group has no real-time budget (CONFIG_RT_GROUP_SCHED): give its "
+           "cpu.rt_runtime_us some, or boot with rt_group_sched=0";
+  }
+  if (!rights.filtered)
+    return ", though the rights are there: look for a security module that forbids it (dmesg)";
+  if (rights.origin == Origin::service)
+    return ", by a filter of system calls: set RestrictRealtime=no in the service's unit "
+           "(systemctl edit), and restart it";
+  return ", by a filter of system calls: start the container with --security-opt "
+         "seccomp=unconfined, or with a profile that allows sched_setscheduler";
+}
+
+std::string lock_limit(const Rights& rights) {
+  if (!rights.lock_limit) return "";
+  return ", without CAP_IPC_LOCK and with a limit of " + size(*rights.lock_limit);
+}
+
+std::string explain_stack(const Rights& rights, int error) {
+  // mmap(2): EAGAIN is for locked memory only.
+  if (error == EAGAIN) {
+    return ", because the program locks all its memory to come (MCL_FUTURE)" + lock_limit(rights) +
+           ": " + memory_remedy(rights) + "; or leave MCL_FUTURE to the library";
+  }
+  return ": free some memory, or raise the limit of the address space (ulimit -v)";
+}
+
+std::string explain_thread(const Rights& rights) {
+  if (!rights.task_limit) return ": allow more of them (ulimit -u)";
+  const std::string what =
+      ", the control group has its most, " + std::to_string(*rights.task_limit) + " tasks: ";
+  if (rights.origin == Origin::container)
+    return what + "start the container with a higher --pids-limit";
+  return what + "raise TasksMax= in the unit (systemctl edit), or end other programs of it";
+}
+
+std::string explain_dma_latency(const Rights& rights, int error, const std::string& why) {
+  constexpr const char* kDevice = "/dev/cpu_dma_latency";
+  if (error != ENOENT) {
+    return kDevice + (" refused" + why) +
+           ": run as root or give your group write access to it by a udev rule";
+  }
+  return std::string{kDevice} + " is not there, and the CPU may sleep deeply between frames: " +
+         (rights.origin == Origin::container
+              ? "start the container with --device /dev/cpu_dma_latency"
+              : "mount /dev, or use a kernel with CONFIG_PM");
+}
+
+}  // namespace
+
+std::string explain(const Refusal& refusal, const Rights& rights) {
+  const std::string why = " (" + std::generic_category().message(refusal.error) + ")";
+  switch (refusal.right) {
+    case Refusal::Right::fifo:
+      return "SCHED_FIFO refused" + why +
+             explain_fifo(rights, refusal.wanted > 0 ? refusal.wanted : kUsualPriority);
+    case Refusal::Right::memory_lock:
+      return "locking memory refused" + why + lock_limit(rights) + ": " + memory_remedy(rights);
+    case Refusal::Right::whole_memory:
+      return "only the loop's own memory is locked" + lock_limit(rights) + ": " +
+             memory_remedy(rights);
+    case Refusal::Right::affinity:
+      return "the wanted CPU refused" + why +
+             ": choose one that is online (lscpu) and allowed (taskset -p)";
+    case Refusal::Right::dma_latency: return explain_dma_latency(rights, refusal.error, why);
+    case Refusal::Right::stack:
+      return "no memory for a thread's stack" + why + explain_stack(rights, refusal.error);
+    case Refusal::Right::thread: return "no thread could be made" + why + explain_thread(rights);
+  }
+  return why;
+}
+
+std::string explain(const Refusal& refusal) { return explain(refusal, own_rights()); }
+
+}  // namespace cargobay::rt
