@@ -54,8 +54,8 @@ TEST_F(PortSharedTest, IsNamedWithItsNumberAndARemedy) {
     Command doctor{{"doctor", "--port", port_}};
     return doctor.exit_code() == 1 && doctor.out().find(thief.name()) != std::string::npos;
   })) << "the shell does not open the port";
-  thief.stop();  // the bring-up is not at issue
-  Command command{drive({"--duration", "60"})};
+  thief.stop();                                               // the bring-up is not at issue
+  Command command{drive({"--duration", "60"}), kOnTerminal};  // a line at a time
   ASSERT_TRUE(starts_to_move());
   EXPECT_THAT(command.out(), Not(HasSubstr(thief.name()))) << "no frame is missing";
   thief.go_on();
