@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "hal/read_input.hpp"
+#include "hal/settings.hpp"
 #include "oi/baud.hpp"
 #include "oi/nearest_name.hpp"
 
@@ -24,12 +25,6 @@ struct Key {
   std::string_view name;
   std::function<Complaint(const toml::node&)> take;
 };
-
-constexpr double kMostWheelBaseMm = 1000.0;
-constexpr double kMostScale = 2.0;
-constexpr double kMostLagS = 10.0;
-constexpr double kMostAcceleration = 100'000.0;
-constexpr double kMostJerk = 10'000'000.0;
 
 class Reader {
  public:
@@ -56,12 +51,6 @@ class Reader {
   std::optional<Failure> inner_{};  // of a table within
 };
 
-std::string shortened(double number) {
-  std::ostringstream text;
-  text << number;
-  return text.str();
-}
-
 Key text_key(std::string_view name, std::string& target) {
   return {name, [&target](const toml::node& node) -> Complaint {
             const auto* text = node.as_string();
@@ -80,24 +69,23 @@ Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
           }};
 }
 
-// From the least, exclusive, to the most.
-Key number_key(std::string_view name, double most, std::optional<double>& target) {
-  return {name, [most, &target](const toml::node& node) -> Complaint {
+// `unit` says too what it is not in.
+Key number_key(std::string_view name, Range range, std::string_view unit,
+               std::optional<double>& target) {
+  return {name, [range, unit, &target](const toml::node& node) -> Complaint {
             const std::optional<double> number = node.value<double>();
-            const bool sensible = number && *number > 0.0 && *number <= most;  // false for NaN
-            if (!sensible) return "is a number above 0 and up to " + shortened(most);
+            if (!number || !range.contains(*number))
+              return "is a number from " + range.words() + ", " + std::string{unit};
             target = number;
             return std::nullopt;
           }};
 }
 
-Key whole_key(std::string_view name, int least, int most, std::optional<int>& target) {
-  return {name, [least, most, &target](const toml::node& node) -> Complaint {
+Key whole_key(std::string_view name, Range range, std::optional<int>& target) {
+  return {name, [range, &target](const toml::node& node) -> Complaint {
             const auto* number = node.as_integer();
-            if (number == nullptr || number->get() < least || number->get() > most) {
-              return "is a whole number from " + std::to_string(least) + " to " +
-                     std::to_string(most);
-            }
+            if (number == nullptr || !range.contains(static_cast<double>(number->get())))
+              return "is a whole number from " + range.words();
             target = static_cast<int>(number->get());
             return std::nullopt;
           }};
@@ -213,12 +201,14 @@ std::vector<Key> Reader::output_keys(PinSetting& pin) {
 }
 
 std::vector<Key> Reader::robot_keys() {
-  return {number_key("wheel_base_mm", kMostWheelBaseMm, config_.wheel_base_mm),
-          number_key("distance_scale", kMostScale, config_.distance_scale),
-          number_key("turn_scale", kMostScale, config_.turn_scale),
-          number_key("lag_s", kMostLagS, config_.lag_s),
-          number_key("acceleration_mm_s2", kMostAcceleration, config_.acceleration_mm_s2),
-          number_key("jerk_mm_s3", kMostJerk, config_.jerk_mm_s3),
+  constexpr std::string_view kOfReported = "1 where what the robot reports is true";
+  return {number_key("wheel_base_mm", kWheelBaseMm, "in mm, not metres", config_.wheel_base_mm),
+          number_key("distance_scale", kScale, kOfReported, config_.distance_scale),
+          number_key("turn_scale", kScale, kOfReported, config_.turn_scale),
+          number_key("lag_s", kLagS, "in seconds, not ms", config_.lag_s),
+          number_key("acceleration_mm_s2", kAccelerationMmS2, "in mm/s^2, not m/s^2",
+                     config_.acceleration_mm_s2),
+          number_key("jerk_mm_s3", kJerkMmS3, "in mm/s^3, not m/s^3", config_.jerk_mm_s3),
           {"remainder", [this](const toml::node& node) -> Complaint {
              const std::string text = node.value<std::string>().value_or("");
              if (text != "carried" && text != "lost") return "is \"carried\" or \"lost\"";
@@ -228,7 +218,7 @@ std::vector<Key> Reader::robot_keys() {
 }
 
 std::vector<Key> Reader::realtime_keys() {
-  return {whole_key("priority", 11, 98, config_.priority), whole_key("cpu", 0, 1023, config_.cpu),
+  return {whole_key("priority", kPriority, config_.priority), whole_key("cpu", kCpu, config_.cpu),
           flag_key("require", [this](bool require) { config_.require_realtime = require; })};
 }
 

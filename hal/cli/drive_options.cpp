@@ -9,18 +9,16 @@
 #include <fmt/core.h>
 
 #include "hal/cli/profile.hpp"
+#include "hal/settings.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::cli {
 namespace {
 
-constexpr int kPriority = 80;
-constexpr double kLeastDeadlineMs = 1000.0 * rt::seconds(hal::Guard::kLeastDeadline);
-constexpr double kMostDeadlineMs = 10000.0;
 constexpr double kLongestWaitS = 86400.0;
 
 int priority(const DriveOptions& options, const hal::Config& config) {
-  return options.priority.value_or(config.priority.value_or(kPriority));
+  return options.priority.value_or(config.priority.value_or(rt::RealtimeRequest{}.priority));
 }
 
 }  // namespace
@@ -35,11 +33,9 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
     return hal::Failure{
         fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
   }
-  const bool patient = options.guard_deadline_ms >= kLeastDeadlineMs &&
-                       options.guard_deadline_ms <= kMostDeadlineMs;  // false for NaN
-  if (!patient) {
-    return hal::Failure{fmt::format("--guard-deadline {:g} is not from {:g} to {:g} ms",
-                                    options.guard_deadline_ms, kLeastDeadlineMs, kMostDeadlineMs)};
+  if (!hal::kGuardDeadlineMs.contains(options.guard_deadline_ms)) {
+    return hal::Failure{fmt::format("--guard-deadline {:g} is not from {} ms",
+                                    options.guard_deadline_ms, hal::kGuardDeadlineMs.words())};
   }
   const bool waits = reconnect_s(options) > 0.0 && reconnect_s(options) <= kLongestWaitS;
   if (!options.reconnect.empty() && !waits) {
@@ -118,7 +114,8 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command
       .add_option("--guard-deadline", options.guard_deadline_ms,
                   "Milliseconds without a sign of life of the loop, after which the guard process "
-                  "stops the robot, 40 to 10000")
+                  "stops the robot, " +
+                      hal::kGuardDeadlineMs.words())
       ->capture_default_str();
   command.add_flag(
       "--no-guard", options.no_guard,
@@ -126,8 +123,12 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_flag("--boost-kworkers", options.boost_kworkers,
                    "Give the kernel threads that hand over the port's bytes a real-time priority "
                    "too, just below the loop's, until the end (needs CAP_SYS_NICE)");
-  command.add_option("--priority", options.priority, "SCHED_FIFO priority of the loop [80]")
-      ->check(CLI::Range(11, 98));
+  command
+      .add_option(
+          "--priority", options.priority,
+          fmt::format("SCHED_FIFO priority of the loop [{}]", rt::RealtimeRequest{}.priority))
+      ->check(CLI::Range(static_cast<int>(hal::kPriority.least),
+                         static_cast<int>(hal::kPriority.most)));
   command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
   add_pin_options(command, options.pins);
   add_sim_options(command, options.sim);

@@ -1,5 +1,6 @@
 #include "hal/cli/plant.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace cargobay::cli {
@@ -15,7 +16,8 @@ hal::Result<Plant> find_plant(const hal::Config& config, const PinOptions& pins,
   }
   if (pins.any_line()) return hal::Failure{"the pins of a robot need its --port"};
   // A wire does not wait for the CPU.
-  auto started = hal::sim::VirtualCreate::start(parameters(sim), *config.baud, priority - 10);
+  auto started =
+      hal::sim::VirtualCreate::start(parameters(sim), *config.baud, std::max(priority - 10, 0));
   if (!started) return started.failure();
   plant.create = std::move(*started);
   plant.port = plant.create->server().path();

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "hal/cli/in_range.hpp"
+#include "hal/settings.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -11,16 +12,16 @@ constexpr const char* kGroup = "Virtual Create";
 
 void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
   app.add_option("--lag", wheels.lag_s, "Seconds in which a wheel comes within 37 % of a new speed")
-      ->check(in_range(0.001, 10.0))
+      ->check(in_range(hal::kLagS.least, hal::kLagS.most))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--droop-left", wheels.droop_left,
                  "Part of its set speed the left wheel falls short by")
-      ->check(in_range(0.0, 0.9))
+      ->check(in_range(hal::kDroop.least, hal::kDroop.most))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--droop-right", wheels.droop_right, "The same for the right wheel")
-      ->check(in_range(0.0, 0.9))
+      ->check(in_range(hal::kDroop.least, hal::kDroop.most))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--dead-band", wheels.dead_band_mm_s,
@@ -33,12 +34,12 @@ void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--wheel-base", wheels.wheel_base_mm, "Distance between its wheels, in mm")
-      ->check(in_range(50.0, 1000.0))
+      ->check(in_range(hal::kWheelBaseMm.least, hal::kWheelBaseMm.most))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--noise", wheels.noise_mm_s,
                  "Standard deviation in mm/s by which a wheel's speed wanders")
-      ->check(in_range(0.0, 100.0))
+      ->check(in_range(hal::kNoiseMmS.least, hal::kNoiseMmS.most))
       ->capture_default_str()
       ->group(kGroup);
 }

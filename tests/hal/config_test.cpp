@@ -2,10 +2,14 @@
 
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "hal/settings.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -114,7 +118,46 @@ TEST(ConfigFile, SaysWhatAValueIs) {
   complaint("[robot]\nlag_s = nan");
   complaint("[robot]\njerk_mm_s3 = -1");
   complaint("[robot]\nremainder = 'kept'");
-  EXPECT_THAT(complaint("[realtime]\npriority = 99"), HasSubstr("from 11 to 98"));
+  EXPECT_THAT(complaint("[realtime]\npriority = 99"), HasSubstr("from 1 to 98"));
+}
+
+// What is in another unit, or no more than a number; and the ends of what is taken.
+TEST(ConfigFile, RefusesWhatNoRobotIs) {
+  struct Row {
+    std::string key{};
+    Range range{};
+    std::string unit{};
+  };
+  const std::vector<Row> rows{{"wheel_base_mm", kWheelBaseMm, "mm, not metres"},
+                              {"distance_scale", kScale, "1 where"},
+                              {"turn_scale", kScale, "1 where"},
+                              {"lag_s", kLagS, "in seconds, not ms"},
+                              {"acceleration_mm_s2", kAccelerationMmS2, "in mm/s^2, not m/s^2"},
+                              {"jerk_mm_s3", kJerkMmS3, "in mm/s^3, not m/s^3"}};
+  for (const Row& row : rows) {
+    const auto line = [&row](double value) {
+      std::ostringstream text;
+      text.precision(17);
+      text << "[robot]\n" << row.key << " = " << std::showpoint << value;
+      return text.str();
+    };
+    const auto refused = AllOf(StartsWith("my.toml:2: " + row.key + " is a number from "),
+                               HasSubstr(row.range.words()), HasSubstr(row.unit));
+    for (const double value :
+         {1e-300, 1e300, 0.0, -1.0, row.range.least * 0.999, row.range.most * 1.001})
+      EXPECT_THAT(complaint(line(value)), refused) << value;
+    EXPECT_THAT(complaint("[robot]\n" + row.key + " = nan"), refused);
+    EXPECT_THAT(complaint("[robot]\n" + row.key + " = inf"), refused);
+    for (const double value : {row.range.least, row.range.most}) {
+      Config config;
+      EXPECT_FALSE(read_config(line(value), "my.toml", config)) << line(value);
+    }
+  }
+  complaint("[robot]\nwheel_base_mm = 0.26");  // metres
+  complaint("[robot]\ndistance_scale = 0.01");
+  for (const char* text : {"priority = 0", "priority = 99", "priority = 9223372036854775807",
+                           "cpu = -1", "cpu = 1024"})
+    complaint(std::string{"[realtime]\n"} + text);
 }
 
 TEST(ConfigFile, SaysWhereItIsNoToml) {
