@@ -101,6 +101,7 @@ ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
   const ByteStream::Wait woken = stream_.wait(wake_time());
   const rt::TimePoint now = stream_.now();
   woken_ = now;
+  passed_ns_.store(rt::nanoseconds(now), std::memory_order_relaxed);  // carries nothing else
   switch (guard_.beat(now)) {
     case GuardMark::Robot::ours: break;
     case GuardMark::Robot::taken: return end(CycleEnd::guarded);
@@ -360,6 +361,8 @@ ControlCycle::Sent ControlCycle::write_out(rt::TimePoint now) noexcept CARGOBAY_
   if (outgoing_.empty()) return Sent::whole;
   const bool proven = !readings_.empty() && now - woken_ <= kOwnWork;
   if (!proven && !stream_.still_open()) return Sent::failed;
+  // The owner has given this thread up, and said farewell to the robot in its place.
+  if (abandoned_.load()) return Sent::withheld;
   // The next pass ends the cycle.
   if (!guard_.begin_write(outgoing_.bytes().size())) return Sent::withheld;
   const ByteStream::Transfer transfer = stream_.write(outgoing_.bytes());

@@ -169,6 +169,15 @@ class ControlCycle {
   void request_stop() noexcept CARGOBAY_NONBLOCKING {
     stop_requested_.store(true, std::memory_order_relaxed);
   }
+  // From any thread: nothing is written any more, whatever the control thread does when it comes
+  // back from where it hangs. What it writes at this very moment still goes out.
+  void abandon() noexcept CARGOBAY_NONBLOCKING { abandoned_.store(true); }
+  // From any thread: when the control thread last woke; nothing before the first time.
+  std::optional<rt::TimePoint> last_pass() const noexcept CARGOBAY_NONBLOCKING {
+    const std::int64_t passed_ns = passed_ns_.load(std::memory_order_relaxed);
+    if (passed_ns == 0) return std::nullopt;
+    return rt::TimePoint{rt::Duration{passed_ns}};
+  }
   // From any thread. False for speeds that are no number or beyond the robot's range. A setpoint
   // lapses after setpoint_lapse, and when the robot loses its mode; then the wheels stop, and stay
   // so until a new one is set.
@@ -351,6 +360,8 @@ class ControlCycle {
   std::uint64_t refused_ = 0;
 
   std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> abandoned_{false};
+  std::atomic<std::int64_t> passed_ns_{0};
   std::atomic<bool> rearm_requested_{false};
   // Not taken up yet by the control thread; it alone looks at the clock. Carries nothing else.
   static constexpr rt::Duration kNoneAnnounced = rt::Duration::min();

@@ -147,13 +147,21 @@ void Guard::begin_driving() {
 
 // A robot whose guard was lost is being left already.
 void Guard::end_driving() {
-  GuardState expected = GuardState::driving;
-  block_->state.compare_exchange_strong(expected, GuardState::leaving);
+  take_over();
   pthread_mutex_unlock(&block_->alive);
 }
 
+void Guard::take_over() {
+  GuardState expected = GuardState::driving;
+  block_->state.compare_exchange_strong(expected, GuardState::leaving);
+}
+
+bool Guard::has_taken() const {
+  return block_->state.load(std::memory_order_acquire) == GuardState::taken;
+}
+
 bool Guard::took_robot() {
-  if (block_->state.load(std::memory_order_acquire) != GuardState::taken) return false;
+  if (!has_taken()) return false;
   wait_until_done();
   return true;
 }

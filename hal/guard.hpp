@@ -56,6 +56,12 @@ class Guard {
   // thread.
   void begin_driving();
   void end_driving();
+  // For the owner, in place of a control thread that does not come back to end_driving(): from here
+  // on the guard leaves the robot to the owner, unless it has taken it already.
+  void take_over();
+  // Whether the guard has taken the robot, and may still be busy with it. From any thread; no
+  // system call.
+  [[nodiscard]] bool has_taken() const;
   GuardMark mark() { return GuardMark{*block_, process_}; }
   // That the control thread touches; as long as the guard.
   std::span<const std::byte> memory() const { return std::as_bytes(std::span{block_, 1}); }

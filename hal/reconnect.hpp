@@ -46,9 +46,9 @@ struct ReconnectRequest {
 };
 
 struct Reconnection {
-  std::unique_ptr<Robot> robot{};  // brought up, not started
-  std::string path{};              // of the port, where it is now
-  std::string remark{};            // of OpenedPort
+  Robot::Owned robot{};  // brought up, not started
+  std::string path{};    // of the port, where it is now
+  std::string remark{};  // of OpenedPort
 };
 
 // Looks for the port, opens it and brings the robot up, again and again until that is done. The

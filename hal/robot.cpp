@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -63,8 +64,20 @@ Robot::Robot(std::unique_ptr<ByteStream> stream, std::unique_ptr<Duty> duty,
 
 Robot::~Robot() { (void)stop(); }
 
-Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
-                                           const RobotOptions& options) {
+void Robot::Deleter::operator()(Robot* robot) const {
+  (void)robot->stop();
+  if (robot->lost()) {
+    // Where a leak checker sees that it is no leak.
+    static std::mutex keeping;
+    static std::vector<Robot*>& kept = *new std::vector<Robot*>;
+    const std::lock_guard lock{keeping};
+    kept.push_back(robot);
+    return;
+  }
+  delete robot;
+}
+
+Result<Robot::Owned> Robot::open(std::unique_ptr<ByteStream> stream, const RobotOptions& options) {
   auto duty = Duty::begin(*stream, options.guard, options.realtime.priority);
   if (!duty) return duty.failure();
   Parting left = Parting::unconfirmed;
@@ -79,7 +92,7 @@ Result<std::unique_ptr<Robot>> Robot::open(std::unique_ptr<ByteStream> stream,
     failure.message += fate((*duty)->discharge_after(left));
     return failure;
   }
-  std::unique_ptr<Robot> robot{new Robot{std::move(stream), std::move(*duty), options, *report}};
+  Owned robot{new Robot{std::move(stream), std::move(*duty), options, *report}};
   if (const std::error_code error = robot->stream_->set_wake_threshold(kFrameBytes); error) {
     return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
   }
@@ -120,7 +133,8 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
 void Robot::run() {
   Guard* const guard = duty_->guard();
   if (guard != nullptr) guard->begin_driving();
-  note_end(cycle_->run());
+  const CycleEnd end = cycle_->run();
+  if (!ended()) note_end(end);  // else it was given up, and what is recorded is read already
   if (guard != nullptr) guard->end_driving();
   ended_.store(true, std::memory_order_release);
   doorbell_.ring();
@@ -156,8 +170,9 @@ void Robot::start_port_watch() {
   });
 }
 
+// By the control thread, or by the owner that has given it up: whoever comes first.
 void Robot::leave() {
-  if (std::exchange(left_, true)) return;
+  if (left_.exchange(true)) return;
   Guard* const guard = duty_->guard();
   if (guard != nullptr && guard->took_robot())
     cycle_end_.store(CycleEnd::guarded, std::memory_order_relaxed);
@@ -213,16 +228,70 @@ RecordingHeader Robot::recording_header() const {
           .parameters = options_.cycle};
 }
 
+// In slices: a machine that stood still as a whole has had one of them.
+bool Robot::ends_in_time() {
+  constexpr int kSlices = 10;
+  for (int i = 0; i < kSlices; ++i) {
+    const std::uint32_t rings = doorbell_.rings();
+    if (ended()) return true;
+    (void)doorbell_.wait(rings, rt::Clock::now() + kLoopEnds / kSlices);  // looked at above
+  }
+  return ended();
+}
+
+void Robot::abandon() {
+  farewell_.abandoned = true;
+  cycle_->abandon();
+  if (Guard* const guard = duty_->guard()) guard->take_over();
+  cycle_end_.store(CycleEnd::guarded, std::memory_order_relaxed);
+  ended_.store(true, std::memory_order_release);
+  doorbell_.ring();  // for those who wait for a frame
+  farewell_.robot = duty_->discharge();
+}
+
+bool Robot::lost() {
+  if (!lost_ && farewell_.abandoned && !thread_.try_join()) {
+    thread_.detach();
+    lost_ = true;
+  }
+  return lost_;
+}
+
+bool Robot::guard_has_taken() const {
+  const Guard* const guard = duty_->guard();
+  return guard != nullptr && guard->has_taken();
+}
+
+bool Robot::stalled() const {
+  if (guard_has_taken()) return true;
+  const auto passed = cycle_->last_pass();
+  return passed && rt::Clock::now() - *passed >= options_.guard.deadline;
+}
+
+Robot::Farewell Robot::end_so_far() const {
+  const CycleEnd end = cycle_end_.load(std::memory_order_relaxed);  // ended() ordered it
+  const bool abandoned = end == CycleEnd::guarded && !guard_has_taken();
+  // The causes are the control thread's, and it may still be away in another end than this.
+  return {.end = end,
+          .robot = {.parting = Parting::standing},  // nothing to say of it yet
+          .abandoned = abandoned,
+          .causes = end == CycleEnd::mode_lost ? cycle_->mode_loss_causes() : Hazards{},
+          .port_error = end == CycleEnd::hung_up ? cycle_->port_error() : 0};
+}
+
 Robot::Farewell Robot::stop() {
   if (std::exchange(stopped_, true)) return farewell_;
   cycle_->request_stop();
-  thread_.join();
-  if (stepped_) (void)step(rt::TimePoint::max());              // its end, as it was asked to
-  farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join() ordered it
-  farewell_.causes = cycle_->mode_loss_causes();
-  farewell_.port_error = cycle_->port_error();
-  leave();                                                     // unless the thread has
-  farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join() ordered it
+  if (thread_.running() && !ends_in_time() && !left_.exchange(true)) {
+    abandon();
+  } else {
+    thread_.join();
+    if (stepped_) (void)step(rt::TimePoint::max());  // its end, as it was asked to
+    leave();                                         // unless the thread has
+    farewell_.causes = cycle_->mode_loss_causes();
+    farewell_.port_error = cycle_->port_error();
+  }
+  farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join(), or this thread, ordered it
   port_watch_.stop();
   if (farewell_.end != CycleEnd::asked) farewell_.last = last_exchanges(recorder_, kLastFrames);
   return farewell_;
@@ -255,6 +324,10 @@ std::string explain_end(const Robot::Farewell& farewell) {
              "for an instant, or its power button; look at it, then start again";
     case CycleEnd::hung_up: return explain_port(farewell.port_error);
     case CycleEnd::guarded:
+      if (farewell.abandoned) {
+        return "the control function has not returned, and the robot was stopped without it; the "
+               "thread that is in it cannot be ended, nor what it uses be freed: end the program";
+      }
       return "the loop stood still for too long: the program was suspended, its control function "
              "did not return, or others took the CPU; see: cargobay doctor";
     case CycleEnd::control_overrun:

@@ -38,11 +38,16 @@ struct RobotOptions {
 // All functions from one thread, except where the ControlCycle says otherwise.
 class Robot {
  public:
+  // Stops it, and frees nothing where the control thread is lost(): it may come back to the robot.
+  struct Deleter {
+    void operator()(Robot* robot) const;
+  };
+  using Owned = std::unique_ptr<Robot, Deleter>;
+
   // Starts the guard and brings the robot up at the stream's rate; blocks as bring_up() does. After
   // a failure it was told to stop and go Passive, by the guard if need be; the message says so if
   // it may be moving. The stream is closed.
-  static Result<std::unique_ptr<Robot>> open(std::unique_ptr<ByteStream> stream,
-                                             const RobotOptions& options);
+  static Result<Owned> open(std::unique_ptr<ByteStream> stream, const RobotOptions& options);
   // Stops, if stop() was not called.
   ~Robot();
   Robot(const Robot&) = delete;
@@ -70,23 +75,28 @@ class Robot {
   struct Farewell {
     CycleEnd end = CycleEnd::asked;
     Discharge robot{};             // what became of it
+    bool abandoned = false;        // the control thread has not come back
     Hazards causes{};              // of mode_lost; none where no sensor said why
     int port_error = 0;            // errno of the call that ended the cycle; 0 if none did
     std::vector<Exchange> last{};  // of kLastFrames, where the cycle ended by itself
   };
   static constexpr std::size_t kLastFrames = 10;
   // Ends the cycle and its thread, which leaves the robot as soon as the cycle has ended, for
-  // whatever reason and whether or not this is called. Blocks for up to 2 s, at 19200 baud 3 s.
+  // whatever reason and whether or not this is called. Blocks for up to 2 s, at 19200 baud 3 s. A
+  // control thread that has not come back from the control function within kLoopEnds is abandoned:
+  // the robot is left without it, and from then on nothing that it does reaches the robot.
   Farewell stop();
+  static constexpr rt::Duration kLoopEnds = std::chrono::milliseconds{500};
+  // After stop(): whether the control thread was abandoned, and is still away. From the first such
+  // answer on this object, with all that it refers to, is the thread's, and must stay.
+  [[nodiscard]] bool lost();
+  // The loop has not come round for the guard's deadline, or the guard has taken the robot. In real
+  // time; from any thread.
+  bool stalled() const;
   // Whether the cycle has ended, by itself or when asked.
   bool ended() const { return ended_.load(std::memory_order_acquire); }
   // Then: what stop() will say of it, as far as it is known before.
-  Farewell end_so_far() const {
-    return {.end = cycle_end_.load(std::memory_order_relaxed),  // ended() ordered it
-            .robot = {.parting = Parting::standing},            // nothing to say of it yet
-            .causes = cycle_->mode_loss_causes(),
-            .port_error = cycle_->port_error()};
-  }
+  Farewell end_so_far() const;
   // Rings once a frame and at the end of the cycle; from any thread.
   rt::Doorbell& doorbell() { return doorbell_; }
   std::uint32_t baud() const { return stream_->baud(); }
@@ -101,6 +111,9 @@ class Robot {
   void run();
   void leave();
   void note_end(CycleEnd end);
+  bool ends_in_time();
+  void abandon();
+  bool guard_has_taken() const;
   StateObserver observer();
   std::vector<rt::Memory> memory_of_loop() const;
   void start_port_watch();
@@ -120,8 +133,9 @@ class Robot {
   std::atomic<bool> ended_{false};
   bool stepped_ = false;  // start_stepped() was called
   rt::Doorbell doorbell_{};
-  bool left_ = false;     // by leave(), on the thread or after its end
-  bool stopped_ = false;  // by stop()
+  std::atomic<bool> left_{false};  // by leave()
+  bool stopped_ = false;           // by stop()
+  bool lost_ = false;
   Farewell farewell_{};
 };
 

@@ -156,9 +156,30 @@ RealtimeGrant RealtimeThread::start(const RealtimeRequest& request, std::functio
 
 void RealtimeThread::join() {
   if (thread_.has_value()) pthread_join(*thread_, nullptr);
+  forget();
+}
+
+bool RealtimeThread::try_join() {
+  if (thread_.has_value() && pthread_tryjoin_np(*thread_, nullptr) != 0) return false;
+  forget();
+  return true;
+}
+
+void RealtimeThread::detach() {
+  if (thread_.has_value()) pthread_detach(*thread_);
   thread_.reset();
+  stack_ = {};  // the thread's for ever, as its locked memory is
+  let_go_of_latency();
+}
+
+void RealtimeThread::let_go_of_latency() {
   if (dma_latency_ >= 0) close(dma_latency_);
   dma_latency_ = -1;
+}
+
+void RealtimeThread::forget() {
+  thread_.reset();
+  let_go_of_latency();
   memory_.unlock();
   if (stack_.empty()) return;
   const auto guard = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));

@@ -60,10 +60,17 @@ class RealtimeThread {
   bool running() const { return thread_.has_value(); }
   // Waits for the end of `body`, and lets go of stack, locks and latency request.
   void join();
+  // The same where `body` has ended; false, and nothing done, where it has not.
+  [[nodiscard]] bool try_join();
+  // Leaves the thread to itself, and lets go of the latency request. This object is still `body`'s:
+  // it must never be freed.
+  void detach();
 
  private:
   int make_stack();  // returns an errno
   void lock_memory(const RealtimeRequest& request, RealtimeGrant& grant);
+  void forget();
+  void let_go_of_latency();
 
   std::function<void()> body_;
   Memory stack_{};  // with a guard page below; a mapping of its own

@@ -35,9 +35,11 @@
  * `size` to sizeof the struct and all members that you do not use to 0, which always means the
  * default. A struct of a program older than the library is short: what it lacks counts as 0 on the
  * way in and is not written on the way out. One of a newer program is long: what this library does
- * not know must be 0 on the way in (else CARGOBAY_E_ARGUMENT), and is set to 0 on the way out. The
- * `state` that a control function is given is as long as this library makes it: a program that was
- * compiled for a newer one looks at its `size` first.
+ * not know must be 0 on the way in (else CARGOBAY_E_ARGUMENT), and is set to 0 on the way out. A
+ * `size` of less than 4 or of more than 4096 bytes beyond this library's struct is one that nobody
+ * set: CARGOBAY_E_ARGUMENT, and nothing is read or written. The `state` that a control function is
+ * given is as long as this library makes it: a program that was compiled for a newer one looks at
+ * its `size` first.
  *
  * @section threads Threads
  * Each function says from where it may be called:
@@ -45,14 +47,23 @@
  *   marked *real-time safe* do not block, lock, allocate or enter the kernel.
  * - *owner*: one thread at a time, and not from the control function: CARGOBAY_E_STATE otherwise.
  * In virtual time every function of a robot and of its virtual Create is for one thread at a time.
- * A handle that was closed, is NULL or belongs to the parent of a forked process is recognised:
- * CARGOBAY_E_HANDLE. Close handles before the process ends, or its guard will stop the robot.
+ * A handle that was closed, is NULL, is of another kind (a virtual Create's in place of a robot's)
+ * or belongs to the parent of a forked process is recognised: CARGOBAY_E_HANDLE. Close handles
+ * before the process ends, or its guard will stop the robot.
  *
  * @section callbacks The control function
  * It runs on the control thread, at real-time priority where that was granted, within a budget of
  * 2 ms (`control_budget_us`). It must not block. An exception (of a control function in C++) does
- * not leave it: the wheels stop and the loop ends, with CARGOBAY_E_CONTROL. Where it does not
- * return at all the guard stops the robot.
+ * not leave it: the wheels stop and the loop ends, with CARGOBAY_E_CONTROL.
+ *
+ * Where it does not return, or ends its thread, the guard stops the robot after
+ * `guard_deadline_ms`; from then on nothing that the loop does reaches the robot. cargobay_wait()
+ * says CARGOBAY_E_STALLED. cargobay_stop() and cargobay_close() stop the robot without the loop,
+ * where no guard has, and end with CARGOBAY_E_STALLED too. If the function has not returned by
+ * then, its thread goes on, and what it may come back to is never freed: the robot, with its locked
+ * memory and the descriptor of its port, which stays in use. So the function's code and `context`
+ * must stay. There is no other way to be rid of such a thread than to end the process. In virtual
+ * time it is the program's own thread that hangs, in cargobay_wait().
  *
  * @section units Units
  * mm, mm/s, rad, rad/s, ns, and the manual's for what a packet holds. x is ahead, y to the left,
@@ -89,7 +100,7 @@ const char* cargobay_version(void);
 enum cargobay_error {
   CARGOBAY_OK = 0,
   CARGOBAY_E_ARGUMENT = -1, /**< the caller: a value that is NULL, no number or out of its range */
-  CARGOBAY_E_HANDLE = -2,   /**< the caller: a handle that is NULL, closed, or another process's */
+  CARGOBAY_E_HANDLE = -2,   /**< the caller: a handle that is NULL, closed, or not this kind's */
   CARGOBAY_E_STATE = -3,    /**< the caller: in a wrong order, or on a wrong thread */
   CARGOBAY_E_CONFIG = -4,   /**< the configuration file, or what it says */
   CARGOBAY_E_SYSTEM = -5,   /**< the machine: memory, threads, files */
@@ -144,10 +155,10 @@ struct cargobay_sim_options {
   uint32_t boot_baud; /**< that it talks after power-on: 57600 (0), 19200, ... */
   const char* link;   /**< symbolic link to its pseudo-terminal; NULL: none. Real time only */
   const char* world; /**< file of walls, cliffs and beams (docs/virtual-create.md); NULL: a plain */
-  double lag_s;      /**< of the wheels; 0: 0.1 */
+  double lag_s;      /**< of the wheels, 0.001 to 10; 0: 0.1 */
   double droop_left; /**< part of the command that the wheel falls short by, 0 to 0.9; 0: 0.06 */
-  double droop_right;   /**< 0: 0.10 */
-  double noise_mm_s;    /**< standard deviation of a wheel's speed; 0: 1; negative: none */
+  double droop_right; /**< the same of the right wheel, 0 to 0.9; 0: 0.1 */
+  double noise_mm_s;  /**< standard deviation of a wheel's speed, 0 to 100; 0: 1; negative: none */
   double wheel_base_mm; /**< that it turns by, 50 to 1000; 0: 258 */
 };
 
@@ -208,9 +219,10 @@ int cargobay_sim_truth(struct cargobay_sim* sim, struct cargobay_truth* truth);
 
 /**
  * Lets time pass without a robot: in virtual time at once, in real time by sleeping.
- * @param duration_ns 0 or more.
+ * @param duration_ns 0 to 86400000000000, a day.
  * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE in virtual time where an open
- * robot is it: there cargobay_wait() is what makes time pass. Owner; blocks.
+ * robot is it: there cargobay_wait() is what makes time pass. Owner; blocks for `duration_ns`,
+ * until the virtual Create is closed at most.
  */
 int cargobay_sim_advance(struct cargobay_sim* sim, int64_t duration_ns);
 
@@ -253,18 +265,18 @@ struct cargobay_options {
   int32_t mode;       /**< where it is driven: CARGOBAY_MODE_SAFE (or 0) or CARGOBAY_MODE_FULL */
   int32_t remainder;  /**< enum cargobay_remainder; 0: the configuration's, or found out */
   int32_t priority;   /**< SCHED_FIFO priority, 1 to 98; 0: the configuration's, or 80 */
-  int32_t cpu;        /**< with CARGOBAY_PIN_CPU */
-  uint32_t setpoint_lapse_ms; /**< after which a setpoint counts no more; 0: 500 */
-  uint32_t control_budget_us; /**< of a call of the control function; 0: 2000 */
-  uint32_t control_overruns;  /**< in a row, after which the loop ends; 0: 10 */
-  uint32_t link_timeout_ms;   /**< of silence, after which the loop ends; 0: 1000 */
-  uint32_t guard_deadline_ms; /**< after which the guard takes the robot, 40 and up; 0: 150 */
-  double acceleration_mm_s2;  /**< limit; 0: the configuration's, or 500 */
-  double jerk_mm_s3;          /**< limit; 0: the configuration's, or none */
+  int32_t cpu;        /**< with CARGOBAY_PIN_CPU, 0 to 1023 */
+  uint32_t setpoint_lapse_ms; /**< after which a setpoint counts no more, 20 to 60000; 0: 500 */
+  uint32_t control_budget_us; /**< of a call of the control function, 10 to 1000000; 0: 2000 */
+  uint32_t control_overruns;  /**< in a row, after which the loop ends, 1 to 1000000; 0: 10 */
+  uint32_t link_timeout_ms;   /**< of silence, after which the loop ends, 200 to 600000; 0: 1000 */
+  uint32_t guard_deadline_ms; /**< after which the guard takes the robot, 40 to 10000; 0: 150 */
+  double acceleration_mm_s2;  /**< limit, 1 to 100000; 0: the configuration's, or 1000 */
+  double jerk_mm_s3;          /**< limit, 1 to 10000000; 0: the configuration's, or none */
   double wheel_base_mm;       /**< between the wheels, 50 to 1000; 0: the configuration's, or 258 */
   double distance_scale;      /**< true distance for each mm reported, 0.5 to 2; 0: the
                                    configuration's, or 1 */
-  double turn_scale;          /**< the same for each degree; 0: the configuration's, or 1 */
+  double turn_scale; /**< the same for each degree, 0.5 to 2; 0: the configuration's, or 1 */
   void (*progress)(void* context, const char* step,
                    const char* detail); /**< told of each step of
    the bring-up, on the calling thread; it must not throw; NULL: nobody */
@@ -287,8 +299,11 @@ int cargobay_open(const struct cargobay_options* options, struct cargobay_robot*
 /**
  * Stops the robot if it was not, and frees everything. Other threads that are inside a function of
  * this robot are waited for.
- * @return 0, also where the loop had ended by itself; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE from the
- * control function. Any other thread; blocks for up to 2 s.
+ * @return 0, also where the loop had ended by itself; CARGOBAY_E_STALLED where the control function
+ * has not returned: the robot was stopped and the handle is closed all the same, but not all is
+ * freed (see callbacks above); CARGOBAY_E_HANDLE; CARGOBAY_E_STATE from the control function. Any
+ * other thread; blocks for up to 2 s, for 3 s more where another thread is inside cargobay_start(),
+ * cargobay_stop() or, in virtual time, cargobay_wait().
  */
 int cargobay_close(struct cargobay_robot* robot);
 
@@ -377,7 +392,8 @@ int cargobay_get_state(struct cargobay_robot* robot, struct cargobay_state* stat
  * @return 0; CARGOBAY_E_TIMEOUT; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE before
  * cargobay_start(), after cargobay_stop() and in the control function; where the loop has ended by
  * itself what cargobay_stop() will say: CARGOBAY_E_ROBOT, CARGOBAY_E_PORT, CARGOBAY_E_MODE,
- * CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED, CARGOBAY_E_GUARD. Where it ended by
+ * CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED, CARGOBAY_E_GUARD; STALLED also where the loop has not come
+ * round for `guard_deadline_ms`, since its control function does not return. Where it ended by
  * cargobay_request_stop(): CARGOBAY_E_STATE. Any thread but the control thread; blocks. While
  * somebody waits the loop makes one more system call a frame.
  */
@@ -385,6 +401,8 @@ int cargobay_wait(struct cargobay_robot* robot, int64_t timeout_ns, struct cargo
 
 /**
  * Puts the odometry somewhere, certain of it, from the next frame on.
+ * @param x_mm, y_mm -1e9 to 1e9.
+ * @param heading_rad -1e6 to 1e6.
  * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE before cargobay_start() and
  * after the loop has ended; CARGOBAY_E_FULL. Any thread; locks.
  */
@@ -408,7 +426,7 @@ typedef void (*cargobay_control)(void* context, const struct cargobay_state* sta
 /**
  * Gives the loop a control function in place of setpoints.
  * @param control NULL: setpoints.
- * @param context outlives the loop.
+ * @param context outlives the loop; the process, where the function does not return.
  * @return 0; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE after cargobay_start(). Owner.
  */
 int cargobay_set_control(struct cargobay_robot* robot, cargobay_control control, void* context);
@@ -429,7 +447,7 @@ int cargobay_start(struct cargobay_robot* robot);
  * CARGOBAY_E_PORT (unplugged), CARGOBAY_E_MODE, CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED,
  * CARGOBAY_E_SYSTEM (a recording that could not be written). CARGOBAY_E_HANDLE; CARGOBAY_E_STATE
  * before cargobay_start() and from the control function. Again: the same. Owner; blocks for up to
- * 1 s.
+ * 1 s; for up to 2 s where the control function does not return (see callbacks above).
  */
 int cargobay_stop(struct cargobay_robot* robot);
 
@@ -484,6 +502,7 @@ int cargobay_rearm(struct cargobay_robot* robot);
 
 /**
  * For so long from now the robot's silence is no lost link, as while it plays a script that waits.
+ * @param duration_ns 0 to 86400000000000, a day.
  * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE where the loop does not run.
  * Any thread; real-time safe.
  */
@@ -704,7 +723,7 @@ int cargobay_script(struct cargobay_robot* robot, const char* text, uint32_t how
 /**
  * Play Script (OI p. 15). While it waits the robot is deaf and silent, and what it drives is not
  * the loop's: once it hears again the loop's command counts.
- * @param expected_ns how long it may take; see cargobay_expect_silence().
+ * @param expected_ns how long it may take, 0 to 86400000000000; see cargobay_expect_silence().
  */
 int cargobay_play_script(struct cargobay_robot* robot, int64_t expected_ns);
 /**
@@ -790,7 +809,7 @@ int cargobay_histogram_open(struct cargobay_histogram** histogram);
 /** Frees it. @return 0; CARGOBAY_E_HANDLE. Any thread. */
 int cargobay_histogram_close(struct cargobay_histogram* histogram);
 /**
- * Counts a time; negative ones count as 0.
+ * Counts a time; negative ones count as 0, and those of more than a day as a day.
  * @return 0; CARGOBAY_E_HANDLE. One thread at a time; real-time safe.
  */
 int cargobay_histogram_record(struct cargobay_histogram* histogram, int64_t time_ns);

@@ -365,17 +365,26 @@ class Robot {
   Robot(Robot&&) noexcept = default;
   Robot& operator=(Robot&& other) noexcept {
     if (this == &other) return *this;
-    handle_.reset();  // before the function that its loop calls
+    if (handle_) (void)close();  // before the function that its loop calls; nobody to be told
     control_ = std::move(other.control_);
     handle_ = std::move(other.handle_);
     return *this;
   }
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
-  ~Robot() = default;
+  ~Robot() {
+    if (handle_) (void)close();  // a destructor has nobody to tell
+  }
 
-  // The destructor does it too, and blocks as long.
-  Expected<void> close() noexcept { return detail::close(handle_); }
+  // The destructor does it too, and blocks as long. After CARGOBAY_E_STALLED it is closed, and the
+  // control function, which has not returned, is never freed.
+  Expected<void> close() noexcept {
+    const int code = cargobay_close(handle());
+    const bool stalled = code == CARGOBAY_E_STALLED;
+    if (code == CARGOBAY_OK || stalled) (void)handle_.release();
+    if (stalled) (void)control_.release();
+    return detail::outcome(code);
+  }
 
   // cargobay_get_bring_up().
   Expected<BringUp> bring_up() const noexcept {

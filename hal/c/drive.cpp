@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "hal/c/cargobay.h"
+#include "hal/c/durations.hpp"
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
 #include "oi/limits.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 int drive(cargobay_robot* robot, const cargobay_wheels& wheels) noexcept {
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   constexpr double kMost = oi::kMaxWheelSpeed;
   const bool possible = std::abs(wheels.left_mm_s) <= kMost && std::abs(wheels.right_mm_s) <= kMost;
   if (!possible)  // also where one is no number
@@ -69,16 +70,16 @@ int cargobay_drive_radius(struct cargobay_robot* robot, double velocity_mm_s, do
 
 int cargobay_rearm(struct cargobay_robot* robot) {
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
   use->robot->cycle().request_rearm();
   return CARGOBAY_OK;
 }
 
 int cargobay_expect_silence(struct cargobay_robot* robot, int64_t duration_ns) {
-  if (duration_ns < 0) return bad_argument("`duration_ns` is negative");
+  if (const int bad = check_duration("duration_ns", duration_ns); bad != CARGOBAY_OK) return bad;
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
   use->robot->cycle().expect_silence(cargobay::rt::Duration{duration_ns});
   return CARGOBAY_OK;

@@ -12,6 +12,20 @@ constexpr std::size_t kMostMessage = 1024;
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local std::array<char, kMostMessage> last_message{};
 
+// How each kind is called, and opened; by its number.
+struct KindWords {
+  std::string_view name{};
+  std::string_view a{};
+  std::string_view open{};
+};
+constexpr std::array<KindWords, 4> kKinds{
+    {{},
+     {"robot", "a robot", "cargobay_open()"},
+     {"virtual Create", "a virtual Create", "cargobay_sim_open()"},
+     {"histogram", "a histogram", "cargobay_histogram_open()"}}};
+
+const KindWords& words(HandleKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
+
 }  // namespace
 
 int fail(int code, std::string_view message) noexcept {
@@ -19,6 +33,35 @@ int fail(int code, std::string_view message) noexcept {
   std::memcpy(last_message.data(), message.data(), length);
   last_message[length] = '\0';
   return code;
+}
+
+// Also of functions that are real-time safe: in memory of its own.
+int bad_handle(const void* handle, HandleKind wanted) noexcept {
+  std::array<char, 160> said{};
+  std::size_t length = 0;
+  const auto say = [&](std::string_view part) {
+    const std::size_t count = std::min(part.size(), said.size() - length);
+    std::memcpy(said.data() + length, part.data(), count);
+    length += count;
+  };
+  const KindWords& as = words(wanted);
+  const HandleKind kind = kind_of(reinterpret_cast<std::uintptr_t>(handle));
+  if (kind != HandleKind::none && kind != wanted) {
+    say("this is the handle of ");
+    say(words(kind).a);
+    say(", not of ");
+    say(as.a);
+    say(": pass the one that is meant");
+    return fail(CARGOBAY_E_HANDLE, {said.data(), length});
+  }
+  say("this ");
+  say(as.name);
+  say(handle == nullptr          ? " is NULL"
+      : kind == HandleKind::none ? " is no handle of this library"
+                                 : " is closed, or the parent process's");
+  say("; open one with ");
+  say(as.open);
+  return fail(CARGOBAY_E_HANDLE, {said.data(), length});
 }
 
 }  // namespace cargobay::c

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hal/c/cargobay.h"
+#include "hal/c/handles.hpp"
 #include "hal/result.hpp"
 
 namespace cargobay::c {
@@ -19,6 +20,9 @@ inline int fail(int code, const hal::Failure& failure) noexcept {
 
 // For what cannot be wrong but by the caller.
 inline int bad_argument(std::string_view what) noexcept { return fail(CARGOBAY_E_ARGUMENT, what); }
+
+// For a handle that is no open one of this kind.
+int bad_handle(const void* handle, HandleKind wanted) noexcept;
 
 // Runs a function that returns such a code. No exception goes on into C.
 template <typename Function>

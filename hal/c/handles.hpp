@@ -1,5 +1,6 @@
 // Handles that C programs hold: numbers that look like pointers, and are never followed. One that
-// was closed, or belongs to the process that this one was forked from, is known as what it is.
+// was closed, is of another kind, or belongs to the process that this one was forked from, is known
+// as what it is.
 #pragma once
 
 #include <array>
@@ -20,7 +21,22 @@ namespace cargobay::c {
 std::uint32_t forks() noexcept CARGOBAY_NONBLOCKING;
 void count_forks();
 
-template <typename Object>
+// What a handle is of; a part of its number.
+enum class HandleKind : std::uint8_t { none, robot, sim, histogram };
+
+// A pointer has 32 bits on the smaller Pi: one that marks a handle, 6 for the slot, 2 for the kind,
+// the rest for the generation.
+inline constexpr unsigned kSlotBits = 6;
+inline constexpr unsigned kKindBits = 2;
+
+// Whatever pointer it is given; none for one that is no handle. Whether it is open does not matter.
+constexpr HandleKind kind_of(std::uintptr_t handle) noexcept CARGOBAY_NONBLOCKING {
+  // Odd: never a pointer to anything.
+  if ((handle & 1U) == 0) return HandleKind::none;
+  return static_cast<HandleKind>((handle >> 1U >> kSlotBits) % (1U << kKindBits));
+}
+
+template <typename Object, HandleKind kKind>
 class HandleTable {
   struct Slot {
     // Generation (32), open (1), uses under way (31).
@@ -30,7 +46,7 @@ class HandleTable {
   };
 
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMost = std::size_t{1} << kSlotBits;
 
   // The object behind a handle, which is not freed as long as this lives. Empty for a handle that
   // is no open one.
@@ -110,45 +126,45 @@ class HandleTable {
   }
 
   // From now on the handle is a closed one. Calls `end` on the object, then waits until nobody uses
-  // it any more, and frees it. False for a handle that is no open one.
+  // it any more, and hands it over. Null for a handle that is no open one. Where `end` returns
+  // false the object is in the hands of a thread that may never come back: that is not waited for,
+  // and the object must not be freed.
   template <typename End>
-  bool close(const void* handle, const End& end) {
+  std::unique_ptr<Object> close(const void* handle, const End& end) {
     Use use = this->use(handle);
-    if (!use) return false;
+    if (!use) return nullptr;
     Slot& slot = slots_[use.index()];
-    if ((slot.word.fetch_and(~kOpen, std::memory_order_relaxed) & kOpen) == 0) return false;
-    end(*use);
-    Object* object = &*use;
+    if ((slot.word.fetch_and(~kOpen, std::memory_order_relaxed) & kOpen) == 0) return nullptr;
+    const bool ended = end(*use);
+    std::unique_ptr<Object> object{&*use};
     use = Use{};
     // Acquire pairs with the end of each use.
-    while ((slot.word.load(std::memory_order_acquire) & kUses) != 0) {
+    while (ended && (slot.word.load(std::memory_order_acquire) & kUses) != 0) {
       std::this_thread::sleep_for(std::chrono::microseconds{100});
     }
-    delete object;
     slot.object.store(nullptr, std::memory_order_release);
-    return true;
+    return object;
   }
 
  private:
   static constexpr unsigned kGenerationShift = 32;
   static constexpr std::uint64_t kOpen = std::uint64_t{1} << 31U;
   static constexpr std::uint64_t kUses = kOpen - 1;
-  // A pointer has 32 bits on the smaller Pi: 8 for the slot, the rest for the generation.
-  static constexpr unsigned kSlotBits = 8;
-  static constexpr std::uint64_t kMostGeneration = (1U << 22U) - 1;
+  static constexpr unsigned kGenerationBits = 22;
+  static constexpr std::uint64_t kMostGeneration = (1U << kGenerationBits) - 1;
 
   static void* handle(std::uint64_t generation, std::size_t index) noexcept {
-    const auto number = static_cast<std::uintptr_t>(generation << kSlotBits | index);
-    // Odd: never a pointer to anything, and never followed.
-    return reinterpret_cast<void*>(number << 1U | 1U);  // NOLINT(performance-no-int-to-ptr)
+    const auto kind = static_cast<std::uintptr_t>(kKind);
+    const auto number = static_cast<std::uintptr_t>(generation) << kKindBits | kind;
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): never followed
+    return reinterpret_cast<void*>((number << kSlotBits | index) << 1U | 1U);
   }
   static bool read(const void* handle, std::size_t& index,
                    std::uint64_t& generation) noexcept CARGOBAY_NONBLOCKING {
     const auto number = reinterpret_cast<std::uintptr_t>(handle);
-    if ((number & 1U) == 0) return false;
-    index = (number >> 1U) % (1U << kSlotBits);
-    generation = number >> 1U >> kSlotBits;
-    return index < kMost;
+    index = (number >> 1U) % kMost;
+    generation = number >> 1U >> kSlotBits >> kKindBits;
+    return kind_of(number) == kKind;
   }
 
   std::mutex opening_;

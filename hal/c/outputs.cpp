@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hal/c/cargobay.h"
+#include "hal/c/durations.hpp"
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
 #include "oi/command_text.hpp"
@@ -82,7 +83,7 @@ template <typename Function>
 int with(cargobay_robot* robot, const Function& function) noexcept {
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    return use ? function(*use) : no_robot();
+    return use ? function(*use) : bad_robot(robot);
   });
 }
 
@@ -226,7 +227,7 @@ int cargobay_script(struct cargobay_robot* robot, const char* text, uint32_t how
 }
 
 int cargobay_play_script(struct cargobay_robot* robot, int64_t expected_ns) {
-  if (expected_ns < 0) return bad_argument("`expected_ns` is negative: give 0 or more");
+  if (const int bad = check_duration("expected_ns", expected_ns); bad != CARGOBAY_OK) return bad;
   // Announced only where it goes out: the robot plays it a frame later at the earliest.
   if (const int failed = send_command(robot, oi::PlayScript{}); failed != CARGOBAY_OK)
     return failed;

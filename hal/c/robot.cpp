@@ -1,5 +1,6 @@
 // The life of a robot: open, start, stop, close.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -14,12 +15,14 @@
 #include "hal/forwarding_stream.hpp"
 #include "hal/open_port.hpp"
 #include "hal/output_file.hpp"
+#include "hal/settings.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::c {
 namespace {
 
-constexpr int kDefaultPriority = 80;
+// For cargobay_start() and cargobay_stop() on another thread.
+constexpr std::chrono::seconds kOthersEnd{3};
 constexpr std::uint32_t kKnownFlags = CARGOBAY_REQUIRE_REALTIME | CARGOBAY_NO_GUARD |
                                       CARGOBAY_HOLD_ON_MODE_LOSS | CARGOBAY_OPEN_LOOP |
                                       CARGOBAY_PIN_CPU | CARGOBAY_NO_CONFIG;
@@ -27,13 +30,11 @@ constexpr std::uint32_t kKnownFlags = CARGOBAY_REQUIRE_REALTIME | CARGOBAY_NO_GU
 bool has(const cargobay_options& options, cargobay_flag flag) {
   return (options.flags & static_cast<std::uint32_t>(flag)) != 0;
 }
-// 0 is the default.
-bool sensible(double value, double least, double most) {
-  return value == 0.0 || (value >= least && value <= most);
-}
-bool sensible(std::uint32_t value, std::uint32_t least, std::uint32_t most) {
-  return value == 0 || (value >= least && value <= most);
-}
+struct Setting {
+  const char* name = "";
+  double value = 0.0;
+  hal::Range range{};
+};
 
 // Empty where all is in its range.
 std::string complaint(const cargobay_options& options) {
@@ -47,23 +48,29 @@ std::string complaint(const cargobay_options& options) {
     return "`remainder` is one of enum cargobay_remainder";
   if (options.baud != 0 && !oi::baud_code(options.baud))
     return "`baud` is one of the robot's rates: 57600, 19200, ...";
-  if (options.priority != 0 && (options.priority < 1 || options.priority > 98))
-    return "`priority` is 1 to 98, or 0 for the default";
-  if (has(options, CARGOBAY_PIN_CPU) && (options.cpu < 0 || options.cpu > 1023))
-    return "`cpu` is 0 to 1023";
-  if (!sensible(options.setpoint_lapse_ms, 20, 60'000)) return "`setpoint_lapse_ms` is 20 to 60000";
-  if (!sensible(options.control_budget_us, 10, 1'000'000))
-    return "`control_budget_us` is 10 to 1000000";
-  if (!sensible(options.control_overruns, 1, 1'000'000))
-    return "`control_overruns` is 1 to 1000000";
-  if (!sensible(options.link_timeout_ms, 200, 600'000)) return "`link_timeout_ms` is 200 to 600000";
-  if (!sensible(options.guard_deadline_ms, 40, 10'000)) return "`guard_deadline_ms` is 40 to 10000";
-  if (!sensible(options.acceleration_mm_s2, 1.0, 100'000.0))
-    return "`acceleration_mm_s2` is 1 to 100000";
-  if (!sensible(options.jerk_mm_s3, 1.0, 10'000'000.0)) return "`jerk_mm_s3` is 1 to 10000000";
-  if (!sensible(options.wheel_base_mm, 50.0, 1000.0)) return "`wheel_base_mm` is 50 to 1000";
-  if (!sensible(options.distance_scale, 0.5, 2.0) || !sensible(options.turn_scale, 0.5, 2.0))
-    return "`distance_scale` and `turn_scale` are 0.5 to 2";
+  if (has(options, CARGOBAY_PIN_CPU) && !hal::kCpu.contains(options.cpu))
+    return "`cpu` is " + hal::kCpu.words();
+  for (const Setting& setting : std::to_array<Setting>({
+           {"priority", static_cast<double>(options.priority), hal::kPriority},
+           {"setpoint_lapse_ms", static_cast<double>(options.setpoint_lapse_ms),
+            hal::kSetpointLapseMs},
+           {"control_budget_us", static_cast<double>(options.control_budget_us),
+            hal::kControlBudgetUs},
+           {"control_overruns", static_cast<double>(options.control_overruns),
+            hal::kControlOverruns},
+           {"link_timeout_ms", static_cast<double>(options.link_timeout_ms), hal::kLinkTimeoutMs},
+           {"guard_deadline_ms", static_cast<double>(options.guard_deadline_ms),
+            hal::kGuardDeadlineMs},
+           {"acceleration_mm_s2", options.acceleration_mm_s2, hal::kAccelerationMmS2},
+           {"jerk_mm_s3", options.jerk_mm_s3, hal::kJerkMmS3},
+           {"wheel_base_mm", options.wheel_base_mm, hal::kWheelBaseMm},
+           {"distance_scale", options.distance_scale, hal::kScale},
+           {"turn_scale", options.turn_scale, hal::kScale},
+       })) {
+    if (setting.value != 0.0 && !setting.range.contains(setting.value))
+      return "`" + std::string{setting.name} + "` is " + setting.range.words() +
+             ", or 0 for the default";
+  }
   return "";
 }
 
@@ -98,7 +105,8 @@ hal::RobotOptions robot_options(const cargobay_options& options, const hal::Conf
   if (options.control_overruns != 0)
     cycle.control_overruns_allowed = static_cast<int>(options.control_overruns);
   if (options.link_timeout_ms != 0) cycle.link_timeout = milliseconds{options.link_timeout_ms};
-  robot.realtime = {.priority = config.priority.value_or(kDefaultPriority), .cpu = config.cpu};
+  robot.realtime = {.priority = config.priority.value_or(rt::RealtimeRequest{}.priority),
+                    .cpu = config.cpu};
   robot.require_realtime = config.require_realtime;
   if (has(options, CARGOBAY_NO_GUARD)) robot.guard.use = hal::GuardOptions::Use::none;
   if (options.guard_deadline_ms != 0)
@@ -116,10 +124,7 @@ hal::RobotOptions robot_options(const cargobay_options& options, const hal::Conf
 int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& object,
              std::unique_ptr<hal::ByteStream>& stream) {
   object.sim = sims().use(options.sim);
-  if (!object.sim) {
-    return fail(CARGOBAY_E_HANDLE,
-                "`sim` is closed, or the parent process's; open one with cargobay_sim_open()");
-  }
+  if (!object.sim) return bad_sim(options.sim);
   if (object.sim->taken.exchange(true)) {
     object.sim = {};  // whose it is stays
     return fail(CARGOBAY_E_STATE,
@@ -290,7 +295,7 @@ int owned(cargobay_robot* robot, const char* name, const Function& function) {
   if (in_control()) return not_from_control(name);
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
+    if (!use) return bad_robot(robot);
     const std::unique_lock lock{use->owner, std::try_to_lock};
     if (!lock) {
       return fail(CARGOBAY_E_STATE,
@@ -324,12 +329,20 @@ int cargobay_open(const struct cargobay_options* options, struct cargobay_robot*
 int cargobay_close(struct cargobay_robot* robot) {
   if (in_control()) return not_from_control("cargobay_close");
   return guarded([&] {
-    const bool closed = robots().close(robot, [](RobotObject& object) {
+    bool lost = false;
+    auto closed = robots().close(robot, [&lost](RobotObject& object) {
       object.robot->cycle().request_stop();
-      const std::lock_guard lock{object.owner};
-      end(object);
+      const std::unique_lock lock{object.owner, kOthersEnd};
+      if (lock) end(object);
+      lost = !lock || object.robot->lost();
+      return !lost;
     });
-    return closed ? static_cast<int>(CARGOBAY_OK) : no_robot();
+    if (!closed) return bad_robot(robot);
+    if (!lost) return static_cast<int>(CARGOBAY_OK);
+    keep(std::move(closed));
+    return fail(CARGOBAY_E_STALLED,
+                "the control function has not returned; the handle is closed, and the robot was "
+                "stopped without it, but the thread and what it uses stay: end the program");
   });
 }
 
@@ -362,7 +375,7 @@ int cargobay_request_stop(struct cargobay_robot* robot) {
 
 int cargobay_get_bring_up(struct cargobay_robot* robot, struct cargobay_bring_up* bring_up) {
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   const cargobay::hal::BringUpReport& report = use->robot->bring_up_report();
   cargobay_bring_up known{};
   known.found_baud = report.found_baud;

@@ -1,9 +1,13 @@
 #include "hal/c/robot_object.hpp"
 
+#include <cxxabi.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <exception>
 #include <iterator>
+#include <vector>
 
 #include "hal/c/errors.hpp"
 #include "oi/limits.hpp"
@@ -40,6 +44,13 @@ int code_of(hal::CycleEnd end) noexcept {
     case hal::CycleEnd::guard_lost: return CARGOBAY_E_GUARD;
   }
   return CARGOBAY_E_SYSTEM;
+}
+
+// The control function has ended its thread: by pthread_exit(), by a cancellation, or because its
+// interpreter ends. The loop cannot go on without a thread, nor end on one that unwinds: the robot
+// is stopped as it is where the function does not return.
+[[noreturn]] void never_come_back() noexcept {
+  for (;;) pause();
 }
 
 }  // namespace
@@ -83,14 +94,22 @@ int RobotObject::request(const hal::Request& wanted) {
               "32 requests wait for their turn already, one goes out in a frame; try again later");
 }
 
-HandleTable<RobotObject>& robots() {
-  static HandleTable<RobotObject>& table = *new HandleTable<RobotObject>;  // until the very end
+RobotTable& robots() {
+  static RobotTable& table = *new RobotTable;  // until the very end
   return table;
 }
 
-int no_robot() noexcept {
-  return fail(CARGOBAY_E_HANDLE,
-              "this robot is NULL, closed, or the parent process's; open one with cargobay_open()");
+void keep(std::unique_ptr<RobotObject> object) {
+  // In virtual time the thread may be in the virtual Create itself.
+  if (object->sim && !object->virtual_time) {
+    object->sim->taken.store(false);
+    object->sim = {};
+  }
+  // Where a leak checker sees that it is no leak.
+  static std::mutex keeping;
+  static std::vector<RobotObject*>& kept = *new std::vector<RobotObject*>;
+  const std::lock_guard lock{keeping};
+  kept.push_back(object.release());
 }
 
 bool in_control() noexcept { return control_runs; }
@@ -114,6 +133,9 @@ rt::WheelSpeeds call_control(void* object, const hal::CycleState& state,
     control_runs = true;
     try {
       robot.control(robot.context, &seen, &wheels);
+    } catch (const abi::__forced_unwind&) {
+      if (robot.virtual_time) std::terminate();  // the program's own thread is nobody's to keep
+      never_come_back();
     } catch (...) {
       robot.control_threw.store(true);
       robot.robot->cycle().request_stop();

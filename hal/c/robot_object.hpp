@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "hal/c/cargobay.h"
+#include "hal/c/errors.hpp"
 #include "hal/c/handles.hpp"
 #include "hal/c/sim_object.hpp"
 #include "hal/open_pins.hpp"
@@ -39,10 +40,10 @@ struct RobotObject {
   // Puts a request into the cycle's ring: CARGOBAY_OK or CARGOBAY_E_FULL. From any thread; locks.
   int request(const hal::Request& wanted);
 
-  HandleTable<SimObject>::Use sim{};               // that is the robot, if any
+  SimUse sim{};                                    // that is the robot, if any
   std::unique_ptr<hal::sim::VirtualCreate> own{};  // where no port was named
   hal::OpenPins lines{};
-  std::unique_ptr<hal::Robot> robot{};  // destroyed before what it drives
+  hal::Robot::Owned robot{};  // destroyed before what it drives
   std::unique_ptr<hal::RecordingWriter> recording{};
   std::optional<hal::OutputFile> record_file{};  // until the loop starts
   double wheel_base_mm = 0.0;
@@ -57,16 +58,23 @@ struct RobotObject {
   std::optional<hal::Robot::Farewell> farewell{};
   std::string unrecorded_why{};  // empty where nothing went wrong
 
-  std::mutex owner;     // of start, stop, set_control; in virtual time of everything
-  std::mutex requests;  // the one producer of the cycle's ring
-  std::mutex events;    // the one consumer of its events
+  std::timed_mutex owner;  // of start, stop, set_control; in virtual time of everything
+  std::mutex requests;     // the one producer of the cycle's ring
+  std::mutex events;       // the one consumer of its events
 };
 
-HandleTable<RobotObject>& robots();
-using RobotUse = HandleTable<RobotObject>::Use;
+using RobotTable = HandleTable<RobotObject, HandleKind::robot>;
+RobotTable& robots();
+
+// Of one that a thread may still come back to: it is never freed. Its virtual Create may be closed,
+// in real time.
+void keep(std::unique_ptr<RobotObject> object);
+using RobotUse = RobotTable::Use;
 
 // The error for a handle that is no open one.
-int no_robot() noexcept;
+inline int bad_robot(const cargobay_robot* robot) noexcept {
+  return bad_handle(robot, HandleKind::robot);
+}
 
 // Whether this thread is in a control function, of whatever robot.
 bool in_control() noexcept;

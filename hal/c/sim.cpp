@@ -5,10 +5,13 @@
 #include <thread>
 
 #include "hal/c/cargobay.h"
+#include "hal/c/durations.hpp"
 #include "hal/c/errors.hpp"
+#include "hal/c/robot_object.hpp"
 #include "hal/c/sim_object.hpp"
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
+#include "hal/settings.hpp"
 #include "hal/sim/control.hpp"
 #include "oi/baud.hpp"
 
@@ -16,14 +19,6 @@ namespace cargobay::c {
 namespace {
 
 using hal::sim::Device;
-
-int no_sim() noexcept {
-  return fail(CARGOBAY_E_HANDLE,
-              "this virtual Create is NULL, closed, or the parent process's; open one with "
-              "cargobay_sim_open()");
-}
-
-bool within(double value, double least, double most) { return value >= least && value <= most; }
 
 // Empty where all is in its range.
 std::string complaint(const cargobay_sim_options& options) {
@@ -35,13 +30,14 @@ std::string complaint(const cargobay_sim_options& options) {
     return "`boot_baud` is one of the robot's rates: 57600, 19200, ...";
   if (options.time == CARGOBAY_SIM_VIRTUAL && options.link != nullptr)
     return "in virtual time there is no pseudo-terminal to `link` to";
-  if (options.lag_s != 0.0 && !within(options.lag_s, 0.001, 10.0))
-    return "`lag_s` is 0 or 0.001 to 10";
-  if (!within(options.droop_left, 0.0, 0.9) || !within(options.droop_right, 0.0, 0.9))
-    return "`droop_left` and `droop_right` are 0 to 0.9";
-  if (!(std::abs(options.noise_mm_s) <= 100.0)) return "`noise_mm_s` is at most 100";
-  if (options.wheel_base_mm != 0.0 && !within(options.wheel_base_mm, 50.0, 1000.0))
-    return "`wheel_base_mm` is 0 or 50 to 1000";
+  if (options.lag_s != 0.0 && !hal::kLagS.contains(options.lag_s))
+    return "`lag_s` is " + hal::kLagS.words() + ", or 0 for the default";
+  if (!hal::kDroop.contains(options.droop_left) || !hal::kDroop.contains(options.droop_right))
+    return "`droop_left` and `droop_right` are " + hal::kDroop.words();
+  if (!hal::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) || std::isnan(options.noise_mm_s))
+    return "`noise_mm_s` is " + hal::kNoiseMmS.words() + ", or negative for none";
+  if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
+    return "`wheel_base_mm` is " + hal::kWheelBaseMm.words() + ", or 0 for the default";
   return "";
 }
 
@@ -99,6 +95,18 @@ int open_sim(const cargobay_sim_options& options, cargobay_sim** handle) {
   return CARGOBAY_OK;
 }
 
+// Without keeping others from closing it meanwhile.
+int sleep(const cargobay_sim* sim, rt::Duration duration) {
+  constexpr rt::Duration kLookEvery = std::chrono::milliseconds{100};
+  const rt::TimePoint until = rt::Clock::now() + duration;
+  for (;;) {
+    if (!sims().use(sim)) return bad_sim(sim);
+    const rt::Duration left = until - rt::Clock::now();
+    if (left <= rt::Duration::zero()) return CARGOBAY_OK;
+    std::this_thread::sleep_for(std::min(left, kLookEvery));
+  }
+}
+
 cargobay_truth truth_of(const hal::sim::Cable& cable) {
   const Device& device = cable.device();
   const hal::sim::Truth truth = device.truth();
@@ -126,8 +134,8 @@ void SimObject::with_cable(const std::function<void(hal::sim::Cable&)>& change) 
   }
 }
 
-HandleTable<SimObject>& sims() {
-  static HandleTable<SimObject>& table = *new HandleTable<SimObject>;  // until the very end
+SimTable& sims() {
+  static SimTable& table = *new SimTable;  // until the very end
   return table;
 }
 
@@ -141,6 +149,7 @@ extern "C" {
 int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargobay_sim** sim) {
   if (sim == nullptr) return bad_argument("`sim` is NULL: give the address of a pointer");
   *sim = nullptr;
+  if (in_control()) return not_from_control("cargobay_sim_open");
   cargobay_sim_options known{};
   if (options != nullptr && !take(options, known)) {
     return bad_argument(
@@ -151,19 +160,21 @@ int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargoba
 }
 
 int cargobay_sim_close(struct cargobay_sim* sim) {
+  if (in_control()) return not_from_control("cargobay_sim_close");
   return guarded([&] {
     {
       const auto use = sims().use(sim);
-      if (!use) return no_sim();
+      if (!use) return bad_sim(sim);
       if (use->taken.load()) {
         return fail(CARGOBAY_E_STATE,
                     "an open robot is this virtual Create; close it first, with cargobay_close()");
       }
     }
-    const bool closed = sims().close(sim, [](SimObject& ended) {
+    const auto closed = sims().close(sim, [](SimObject& ended) {
       if (ended.server) ended.server->stop();
+      return true;
     });
-    return closed ? static_cast<int>(CARGOBAY_OK) : no_sim();
+    return closed ? static_cast<int>(CARGOBAY_OK) : bad_sim(sim);
   });
 }
 
@@ -171,7 +182,7 @@ int cargobay_sim_path(struct cargobay_sim* sim, char* path, size_t path_size) {
   if (path == nullptr) return bad_argument("`path` is NULL: give it room for the path");
   return guarded([&] {
     const auto use = sims().use(sim);
-    if (!use) return no_sim();
+    if (!use) return bad_sim(sim);
     if (use->in_virtual_time()) {
       return fail(CARGOBAY_E_STATE,
                   "in virtual time there is no pseudo-terminal; open it in real time");
@@ -185,7 +196,7 @@ int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer
   if (line == nullptr) return bad_argument("`line` is NULL: give it a command, as \"bump left\"");
   return guarded([&] {
     const auto use = sims().use(sim);
-    if (!use) return no_sim();
+    if (!use) return bad_sim(sim);
     std::string said;
     use->with_cable([&](Cable& cable) { said = cargobay::hal::sim::control(line, cable); });
     constexpr std::string_view kError = "error: ";
@@ -199,7 +210,7 @@ int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer
 int cargobay_sim_truth(struct cargobay_sim* sim, struct cargobay_truth* truth) {
   return guarded([&] {
     const auto use = sims().use(sim);
-    if (!use) return no_sim();
+    if (!use) return bad_sim(sim);
     cargobay_truth known{};
     use->with_cable([&](Cable& cable) { known = truth_of(cable); });
     if (!give(known, truth)) return bad_argument(kBadOut);
@@ -208,15 +219,17 @@ int cargobay_sim_truth(struct cargobay_sim* sim, struct cargobay_truth* truth) {
 }
 
 int cargobay_sim_advance(struct cargobay_sim* sim, int64_t duration_ns) {
-  if (duration_ns < 0) return bad_argument("`duration_ns` is negative: time goes one way");
+  if (const int bad = check_duration("duration_ns", duration_ns); bad != CARGOBAY_OK) return bad;
+  if (in_control()) return not_from_control("cargobay_sim_advance");
   return guarded([&] {
-    const auto use = sims().use(sim);
-    if (!use) return no_sim();
     const cargobay::rt::Duration duration{duration_ns};
-    if (!use->in_virtual_time()) {
-      std::this_thread::sleep_for(duration);
-      return static_cast<int>(CARGOBAY_OK);
-    }
+    const bool in_real_time = [sim] {
+      const SimUse use = sims().use(sim);
+      return use && !use->in_virtual_time();
+    }();
+    if (in_real_time) return sleep(sim, duration);
+    const SimUse use = sims().use(sim);
+    if (!use) return bad_sim(sim);
     const std::unique_lock lock{use->owner, std::try_to_lock};
     if (!lock || use->taken.load()) {
       return fail(CARGOBAY_E_STATE,

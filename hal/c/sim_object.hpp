@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 
+#include "hal/c/errors.hpp"
 #include "hal/c/handles.hpp"
 #include "hal/sim/device.hpp"
 #include "hal/sim/server.hpp"
@@ -32,6 +33,11 @@ struct SimObject {
   std::mutex owner;                // of the time, where it is virtual
 };
 
-HandleTable<SimObject>& sims();
+using SimTable = HandleTable<SimObject, HandleKind::sim>;
+SimTable& sims();
+using SimUse = SimTable::Use;
+
+// The error for a handle that is no open one.
+inline int bad_sim(const cargobay_sim* sim) noexcept { return bad_handle(sim, HandleKind::sim); }
 
 }  // namespace cargobay::c

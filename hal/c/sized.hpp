@@ -11,15 +11,25 @@
 
 namespace cargobay::c {
 
-// Each of them begins with `size`, in bytes, as its program knows it.
-constexpr std::size_t kLeastSize = sizeof(std::uint32_t);
+// Each of them begins with `size`, in bytes, as its program knows it. By so much may a later
+// version have made the struct longer: beyond that the number is no size, but what an uninitialised
+// member holds, and would lead far away from the struct.
+inline constexpr std::size_t kLeastSize = sizeof(std::uint32_t);
+inline constexpr std::size_t kMostGrowth = 4096;
 
-// From the program. False where `given` is null, shorter than its size, or asks for what this
-// library does not know; `known` is then not to be used.
+// False for null, and for what is shorter than its size or longer than any version will make it.
+template <typename Struct>
+[[nodiscard]] bool sized(const Struct* given) noexcept CARGOBAY_NONBLOCKING {
+  return given != nullptr && given->size >= kLeastSize &&
+         given->size <= sizeof(Struct) + kMostGrowth;
+}
+
+// From the program. False where `given` is not sized(), or asks for what this library does not
+// know; `known` is then not to be used.
 template <typename Struct>
 [[nodiscard]] bool take(const Struct* given, Struct& known) noexcept CARGOBAY_NONBLOCKING {
   known = Struct{};
-  if (given == nullptr || given->size < kLeastSize) return false;
+  if (!sized(given)) return false;
   const std::size_t size = given->size;
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(given);
   for (std::size_t i = sizeof(Struct); i < size; ++i) {
@@ -30,11 +40,11 @@ template <typename Struct>
   return true;
 }
 
-// To the program, as much as it has room for; its size stays. False where `wanted` is null or
-// shorter than its size, and nothing is written.
+// To the program, as much as it has room for; its size stays. False where `wanted` is not sized(),
+// and nothing is written.
 template <typename Struct>
 [[nodiscard]] bool give(const Struct& known, Struct* wanted) noexcept CARGOBAY_NONBLOCKING {
-  if (wanted == nullptr || wanted->size < kLeastSize) return false;
+  if (!sized(wanted)) return false;
   const std::size_t size = wanted->size;
   auto* bytes = reinterpret_cast<std::uint8_t*>(wanted);
   const std::size_t both = std::min(size, sizeof(Struct));

@@ -25,8 +25,10 @@ struct Seen {
   std::uint32_t rings = 0;
 };
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
-thread_local std::array<Seen, HandleTable<RobotObject>::kMost> seen_rings{};
+thread_local std::array<Seen, RobotTable::kMost> seen_rings{};
 
+// How often those who wait look whether there is still a loop.
+constexpr rt::Duration kLookEvery = std::chrono::milliseconds{50};
 constexpr std::int64_t kForEver = std::int64_t{1} << 60U;  // ns
 
 // The end of the wait on a clock that says `now`.
@@ -45,6 +47,21 @@ int too_late(const RobotObject& object) {
 int timed_out() {
   return fail(CARGOBAY_E_TIMEOUT,
               "no frame came in time; every 15 ms one does where all is well: wait longer");
+}
+
+// Twice in a row: a machine that stood still as a whole lets the loop go on before the second.
+bool stands_still(RobotObject& object, std::uint32_t rings) {
+  constexpr rt::Duration kAgain = std::chrono::milliseconds{20};
+  if (!object.robot->stalled()) return false;
+  if (object.robot->doorbell().wait(rings, rt::Clock::now() + kAgain)) return false;
+  return object.robot->stalled();
+}
+
+int stalled() {
+  return fail(CARGOBAY_E_STALLED,
+              "the loop stands still, for longer than `guard_deadline_ms`: its control function "
+              "does not return, or others took the CPU; cargobay_stop() stops the robot all the "
+              "same");
 }
 
 int wait_stepped(RobotObject& object, std::int64_t timeout_ns) {
@@ -67,7 +84,12 @@ int wait_in_real_time(cargobay_robot* robot, const RobotUse& use, std::int64_t t
   if (seen.robot != robot) seen = {.robot = robot, .rings = bell.rings()};
   const rt::TimePoint until = deadline(rt::Clock::now(), timeout_ns);
   if (use->robot->ended()) return too_late(*use);
-  if (!bell.wait(seen.rings, until)) return timed_out();
+  for (;;) {
+    const rt::TimePoint now = rt::Clock::now();
+    if (bell.wait(seen.rings, std::min(until, now + kLookEvery))) break;
+    if (stands_still(*use, seen.rings)) return stalled();
+    if (now >= until) return timed_out();
+  }
   seen.rings = bell.rings();
   if (use->robot->ended()) return too_late(*use);
   return CARGOBAY_OK;
@@ -173,7 +195,7 @@ extern "C" {
 
 int cargobay_get_state(struct cargobay_robot* robot, struct cargobay_state* state) {
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   const auto known = use->robot->cycle().state();
   if (!known) return no_frame_yet();
   return give(c_state(*use, *known), state) ? static_cast<int>(CARGOBAY_OK) : bad_argument(kBadOut);
@@ -183,8 +205,8 @@ int cargobay_wait(struct cargobay_robot* robot, int64_t timeout_ns, struct cargo
   if (in_control()) return not_from_control("cargobay_wait");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
-    if (state != nullptr && state->size < kLeastSize) return bad_argument(kBadOut);
+    if (!use) return bad_robot(robot);
+    if (state != nullptr && !sized(state)) return bad_argument(kBadOut);
     if (const int failed = wait_for_frame(robot, use, timeout_ns); failed != CARGOBAY_OK)
       return failed;
     return state == nullptr ? static_cast<int>(CARGOBAY_OK) : cargobay_get_state(robot, state);
@@ -193,11 +215,19 @@ int cargobay_wait(struct cargobay_robot* robot, int64_t timeout_ns, struct cargo
 
 int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_mm,
                             double heading_rad) {
-  if (!std::isfinite(x_mm) || !std::isfinite(y_mm) || !std::isfinite(heading_rad))
-    return bad_argument("the pose is no number");
+  // So that a millimetre and a millirad still count beside it; false for NaN.
+  constexpr double kFarthestMm = 1e9;
+  constexpr double kMostRad = 1e6;
+  const bool sensible = std::abs(x_mm) <= kFarthestMm && std::abs(y_mm) <= kFarthestMm &&
+                        std::abs(heading_rad) <= kMostRad;
+  if (!sensible) {
+    return bad_argument(
+        "the pose is no number or out of its range: `x_mm` and `y_mm` are -1e9 to 1e9, "
+        "`heading_rad` is -1e6 to 1e6");
+  }
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
+    if (!use) return bad_robot(robot);
     if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
     Request request;
     request.kind = Request::Kind::pose;
@@ -209,8 +239,8 @@ int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_
 int cargobay_next_event(struct cargobay_robot* robot, struct cargobay_event* event) {
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
-    if (event == nullptr || event->size < kLeastSize) return bad_argument(kBadOut);
+    if (!use) return bad_robot(robot);
+    if (!sized(event)) return bad_argument(kBadOut);
     cargobay::hal::Event next;
     const std::lock_guard lock{use->events};
     if (!use->robot->next_event(next)) return 0;
@@ -238,7 +268,7 @@ const char* cargobay_packet_name(int packet) {
 
 int cargobay_get_sensors(struct cargobay_robot* robot, struct cargobay_sensors* sensors) {
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   if (!use->robot->cycle().state()) return no_frame_yet();
   const cargobay::hal::SensorReadings readings = use->robot->cycle().sensors();
   cargobay_sensors known{};
@@ -255,7 +285,7 @@ int cargobay_subscribe(struct cargobay_robot* robot, uint32_t extras) {
     return bad_argument("`extras` has bits that this library does not know");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
+    if (!use) return bad_robot(robot);
     if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
     Request request;
     request.kind = Request::Kind::stream;
@@ -276,7 +306,7 @@ int cargobay_query(struct cargobay_robot* robot, int packet, int64_t timeout_ns,
   }
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
+    if (!use) return bad_robot(robot);
     return query(robot, use, packet, timeout_ns, *value);
   });
 }

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "hal/c/cargobay.h"
+#include "hal/c/durations.hpp"
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
 #include "hal/c/sized.hpp"
@@ -12,14 +13,15 @@
 namespace cargobay::c {
 namespace {
 
-HandleTable<rt::Histogram>& histograms() {
-  static HandleTable<rt::Histogram>& table = *new HandleTable<rt::Histogram>;
+using HistogramTable = HandleTable<rt::Histogram, HandleKind::histogram>;
+
+HistogramTable& histograms() {
+  static HistogramTable& table = *new HistogramTable;
   return table;
 }
 
-int no_histogram() noexcept {
-  return fail(CARGOBAY_E_HANDLE,
-              "this histogram is NULL or closed; make one with cargobay_histogram_open()");
+int bad_histogram(const cargobay_histogram* histogram) noexcept {
+  return bad_handle(histogram, HandleKind::histogram);
 }
 
 cargobay_statistics statistics_of(const RobotObject& object) {
@@ -72,7 +74,7 @@ extern "C" {
 
 int cargobay_get_statistics(struct cargobay_robot* robot, struct cargobay_statistics* statistics) {
   const RobotUse use = robots().use(robot);
-  if (!use) return no_robot();
+  if (!use) return bad_robot(robot);
   if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
   return give(statistics_of(*use), statistics) ? static_cast<int>(CARGOBAY_OK)
                                                : bad_argument(kBadOut);
@@ -102,15 +104,15 @@ int cargobay_histogram_open(struct cargobay_histogram** histogram) {
 
 int cargobay_histogram_close(struct cargobay_histogram* histogram) {
   return guarded([&] {
-    const bool closed = histograms().close(histogram, [](Histogram&) {});
-    return closed ? static_cast<int>(CARGOBAY_OK) : no_histogram();
+    const auto closed = histograms().close(histogram, [](Histogram&) { return true; });
+    return closed ? static_cast<int>(CARGOBAY_OK) : bad_histogram(histogram);
   });
 }
 
 int cargobay_histogram_record(struct cargobay_histogram* histogram, int64_t time_ns) {
   const auto use = histograms().use(histogram);
-  if (!use) return no_histogram();
-  use->record(static_cast<std::uint64_t>(std::max<std::int64_t>(time_ns, 0)));
+  if (!use) return bad_histogram(histogram);
+  use->record(static_cast<std::uint64_t>(std::clamp<std::int64_t>(time_ns, 0, kLongestNs)));
   return CARGOBAY_OK;
 }
 
@@ -118,7 +120,7 @@ int cargobay_histogram_get(struct cargobay_histogram* histogram,
                            struct cargobay_distribution* distribution) {
   return guarded([&] {
     const auto use = histograms().use(histogram);
-    if (!use) return no_histogram();
+    if (!use) return bad_histogram(histogram);
     const auto copy = std::make_unique<Histogram>(use->snapshot());
     return give(distribution_of(*copy), distribution) ? static_cast<int>(CARGOBAY_OK)
                                                       : bad_argument(kBadOut);
@@ -132,7 +134,7 @@ int cargobay_histogram_percentile(struct cargobay_histogram* histogram, double p
   if (!sensible) return bad_argument("`percent` is 0 to 100");
   return guarded([&] {
     const auto use = histograms().use(histogram);
-    if (!use) return no_histogram();
+    if (!use) return bad_histogram(histogram);
     const auto copy = std::make_unique<Histogram>(use->snapshot());
     *time_ns = time_of(copy->percentile(percent));
     return static_cast<int>(CARGOBAY_OK);
@@ -145,10 +147,10 @@ int cargobay_copy_histogram(struct cargobay_robot* robot, int measure,
     return bad_argument("`measure` is one of enum cargobay_measure");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
+    if (!use) return bad_robot(robot);
     if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
     const auto into = histograms().use(histogram);
-    if (!into) return no_histogram();
+    if (!into) return bad_histogram(histogram);
     const cargobay::hal::ControlCycle& cycle = use->robot->cycle();
     *into = measure == CARGOBAY_MEASURE_PERIOD ? cycle.period_ns().snapshot()
                                                : cycle.frame_to_command_ns().snapshot();

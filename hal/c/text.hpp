@@ -9,7 +9,7 @@
 namespace cargobay::c {
 
 inline constexpr const char* kBadOut =
-    "the struct to be filled is NULL or has no `size`: set it to its sizeof";
+    "the struct to be filled is NULL, or its `size` is not set: set it to its sizeof";
 
 // Copies with a 0 behind it, cut off where it does not fit. Returns the length of all of it.
 inline int copy_text(std::string_view text, char* buffer, std::size_t size) {

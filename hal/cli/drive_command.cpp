@@ -155,7 +155,7 @@ class Drive {
 
   // Fails where the first link cannot be driven. `request` is for the links after the first; there
   // are none where it names no port.
-  hal::Result<Ending> run(std::unique_ptr<hal::Robot> robot, const hal::ReconnectRequest& request) {
+  hal::Result<Ending> run(hal::Robot::Owned robot, const hal::ReconnectRequest& request) {
     Ending ending;
     for (bool first = true;; first = false) {
       const auto grant = begin_link(*robot);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "every_function.h"
 
 static void refuses_arguments(void) {
   struct cargobay_sim* sim = virtual_sim();
@@ -123,60 +124,6 @@ static void refuses_arguments(void) {
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
-/* All of them, with a handle that is none. */
-static void knows_no_such_robot(struct cargobay_robot* robot) {
-  int32_t value = 0;
-  const uint8_t byte = 153;
-  const struct cargobay_note note = {60, 16};
-  SIZED(cargobay_state, state);
-  SIZED(cargobay_sensors, sensors);
-  SIZED(cargobay_statistics, statistics);
-  SIZED(cargobay_bring_up, bring_up);
-  SIZED(cargobay_event, event);
-  CHECK_FAILS(cargobay_close(robot), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_start(robot), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_stop(robot), CARGOBAY_E_HANDLE, "closed");
-  CHECK(cargobay_request_stop(robot) == CARGOBAY_E_HANDLE);
-  CHECK_FAILS(cargobay_set_control(robot, NULL, NULL), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_get_bring_up(robot, &bring_up), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_get_state(robot, &state), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_wait(robot, 0, &state), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_reset_odometry(robot, 0.0, 0.0, 0.0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_drive_wheels(robot, 0.0, 0.0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_drive(robot, 0.0, 0.0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_drive_radius(robot, 0.0, 1.0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_rearm(robot), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_expect_silence(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_next_event(robot, &event), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_get_sensors(robot, &sensors), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_subscribe(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_query(robot, 27, 0, &value), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_leds(robot, 0, 0, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_digital_outputs(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_low_side_drivers(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_pwm_low_side_drivers(robot, 0, 0, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_send_ir(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_song(robot, 0, &note, 1), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_play_song(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_tune(robot, 0, "t:d=4:c", NULL), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_script(robot, "", 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_play_script(robot, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_command(robot, "play 0", 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_raw(robot, &byte, 1, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_get_statistics(robot, &statistics), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_copy_histogram(robot, 0, NULL), CARGOBAY_E_HANDLE, "closed");
-}
-
-static void knows_no_such_sim(struct cargobay_sim* sim) {
-  char path[64];
-  SIZED(cargobay_truth, truth);
-  CHECK_FAILS(cargobay_sim_close(sim), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_sim_path(sim, path, sizeof path), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_sim_inject(sim, "state", NULL, 0), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_sim_truth(sim, &truth), CARGOBAY_E_HANDLE, "closed");
-  CHECK_FAILS(cargobay_sim_advance(sim, 0), CARGOBAY_E_HANDLE, "closed");
-}
-
 static void refuses_a_wrong_order(void) {
   struct cargobay_sim* sim = virtual_sim();
   struct cargobay_robot* second = NULL;
@@ -219,12 +166,12 @@ static void refuses_a_wrong_order(void) {
   CHECK_FAILS(cargobay_drive(robot, 0.0, 0.0), CARGOBAY_E_STATE, "has ended");
   CHECK_FAILS(cargobay_start(robot), CARGOBAY_E_STATE, "started before");
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
-  knows_no_such_robot(robot);
-  knows_no_such_robot(NULL);
+  every_robot_function_refuses(robot, "this robot is closed");
+  every_robot_function_refuses(NULL, "this robot is NULL");
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
-  knows_no_such_sim(sim);
-  knows_no_such_sim(NULL);
-  CHECK_FAILS(cargobay_open(&options, &second), CARGOBAY_E_HANDLE, "`sim` is closed");
+  every_sim_function_refuses(sim, "this virtual Create is closed");
+  every_sim_function_refuses(NULL, "this virtual Create is NULL");
+  CHECK_FAILS(cargobay_open(&options, &second), CARGOBAY_E_HANDLE, "virtual Create is closed");
 }
 
 /* What the world does to a drive. */
@@ -347,8 +294,8 @@ static void is_not_inherited(void) {
   const pid_t child = fork();
   CHECK(child >= 0);
   if (child == 0) {
-    knows_no_such_robot(robot);
-    knows_no_such_sim(sim);
+    every_robot_function_refuses(robot, "this robot is closed");
+    every_sim_function_refuses(sim, "this virtual Create is closed");
     /* But it may have one of its own. */
     struct cargobay_sim* own = virtual_sim();
     struct cargobay_robot* mine = robot_of(own, 0);

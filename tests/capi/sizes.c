@@ -28,6 +28,75 @@ struct short_options {
   uint8_t not_the_librarys[500];
 };
 
+/* What stands there where nobody set it. */
+static const uint32_t kNoSizes[] = {0, 1, 3, 0x7fffffff, 0x80000000, ~UINT32_C(0)};
+/* By so much a later version may have made a struct longer. */
+enum { kMostGrowth = 4096 };
+
+/* The struct, with all the room that it may ask for, and something behind that. */
+static union {
+  uint32_t size;
+  uint64_t aligned;
+  unsigned char bytes[64 * 1024];
+} room;
+
+/* Each struct that is given or filled, by the function that does. */
+#define REFUSES_SIZES(type, call)                                           \
+  do {                                                                      \
+    struct type* const given = (struct type*)(void*)room.bytes;             \
+    for (size_t i = 0; i < sizeof kNoSizes / sizeof kNoSizes[0]; ++i) {     \
+      memset(room.bytes, 0, sizeof room.bytes);                             \
+      given->size = kNoSizes[i];                                            \
+      CHECK_FAILS(call, CARGOBAY_E_ARGUMENT, "");                           \
+    }                                                                       \
+    memset(room.bytes, 0, sizeof room.bytes);                               \
+    given->size = sizeof *given + kMostGrowth + 1;                          \
+    room.bytes[sizeof *given + 8] = 0xa5;                                   \
+    CHECK_FAILS(call, CARGOBAY_E_ARGUMENT, "");                             \
+    CHECK(room.bytes[sizeof *given + 8] == 0xa5); /* nothing was written */ \
+  } while (0)
+
+#define FILLS_TO_THE_END(type, call, result)                    \
+  do {                                                          \
+    struct type* const given = (struct type*)(void*)room.bytes; \
+    memset(room.bytes, 0xa5, sizeof room.bytes);                \
+    given->size = sizeof *given + kMostGrowth;                  \
+    CHECK((call) == (result));                                  \
+    CHECK(room.bytes[sizeof *given + kMostGrowth - 1] == 0);    \
+    CHECK(room.bytes[sizeof *given + kMostGrowth] == 0xa5);     \
+  } while (0)
+
+static void have_an_upper_bound(struct cargobay_sim* sim, struct cargobay_robot* robot) {
+  char text[200];
+  struct cargobay_robot* other = NULL;
+  struct cargobay_sim* more = NULL;
+  struct cargobay_histogram* histogram = NULL;
+  CHECK(cargobay_histogram_open(&histogram) == CARGOBAY_OK);
+  REFUSES_SIZES(cargobay_options, cargobay_open(given, &other));
+  REFUSES_SIZES(cargobay_sim_options, cargobay_sim_open(given, &more));
+  CHECK(other == NULL && more == NULL);
+  REFUSES_SIZES(cargobay_truth, cargobay_sim_truth(sim, given));
+  REFUSES_SIZES(cargobay_bring_up, cargobay_get_bring_up(robot, given));
+  REFUSES_SIZES(cargobay_state, cargobay_get_state(robot, given));
+  REFUSES_SIZES(cargobay_state, cargobay_wait(robot, SECONDS(1), given));
+  REFUSES_SIZES(cargobay_event, cargobay_next_event(robot, given));
+  REFUSES_SIZES(cargobay_event, cargobay_describe_event(given, text, sizeof text));
+  REFUSES_SIZES(cargobay_sensors, cargobay_get_sensors(robot, given));
+  REFUSES_SIZES(cargobay_statistics, cargobay_get_statistics(robot, given));
+  REFUSES_SIZES(cargobay_distribution, cargobay_histogram_get(histogram, given));
+
+  FILLS_TO_THE_END(cargobay_truth, cargobay_sim_truth(sim, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_bring_up, cargobay_get_bring_up(robot, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_state, cargobay_wait(robot, SECONDS(1), given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_sensors, cargobay_get_sensors(robot, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_statistics, cargobay_get_statistics(robot, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_distribution, cargobay_histogram_get(histogram, given), CARGOBAY_OK);
+  CHECK(cargobay_sim_inject(sim, "bump left", NULL, 0) >= 0);
+  CHECK(run_for(robot, 0.2) == CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_event, cargobay_next_event(robot, given), 1);
+  CHECK(cargobay_histogram_close(histogram) == CARGOBAY_OK);
+}
+
 int main(void) {
   struct cargobay_sim* sim = virtual_sim();
   struct cargobay_robot* robot = NULL;
@@ -72,6 +141,7 @@ int main(void) {
 
   more.known.size = 3;
   CHECK_FAILS(cargobay_get_state(robot, &more.known), CARGOBAY_E_ARGUMENT, "`size`");
+  have_an_upper_bound(sim, robot);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
   return 0;

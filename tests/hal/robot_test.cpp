@@ -115,6 +115,35 @@ TEST_F(RobotTest, IsStoppedFromOutside) {
   expect_standing_in_passive();
 }
 
+TEST_F(RobotTest, IsStoppedWhereTheControlFunctionDoesNotReturn) {
+  // The thread comes back to them whenever it likes.
+  static sim::Device& device = *new sim::Device{sim::Parameters{}};
+  static Driver& driver = *new Driver{.frames = 50};
+  static std::binary_semaphore& come_back = *new std::binary_semaphore{0};
+  static std::atomic<bool> away{false};
+  driver.also = [] {
+    away = true;
+    come_back.acquire();
+    away = false;
+  };
+  auto robot = Robot::open(std::make_unique<sim::VirtualLink>(device), {.realtime = kNoRights});
+  ASSERT_TRUE(robot) << robot.failure().message;
+  ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+  while (!away) std::this_thread::yield();
+  const Robot::Farewell farewell = (*robot)->stop();
+  EXPECT_TRUE(farewell.abandoned);
+  EXPECT_EQ(farewell.end, CycleEnd::guarded);
+  EXPECT_TRUE(farewell.confirmed_passive);
+  EXPECT_NE(explain(farewell).find("has not returned"), std::string::npos);
+  EXPECT_TRUE((*robot)->lost());
+  EXPECT_EQ(device.mode(), oi::Mode::passive);
+  robot->reset();  // frees nothing
+  come_back.release();
+  while (away) std::this_thread::yield();
+  EXPECT_EQ(device.mode(), oi::Mode::passive) << "what it does reaches nobody";
+  EXPECT_EQ(device.commanded(), sim::WheelSpeeds{});
+}
+
 // Lets another thread run from one wait to the next, and no further.
 class Turns {
  public:

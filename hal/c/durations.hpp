@@ -1,0 +1,23 @@
+// Times that a program gives in nanoseconds.
+#pragma once
+
+#include <cstdint>
+
+#include "hal/c/errors.hpp"
+
+namespace cargobay::c {
+
+// A day: far more than anything here takes, and far from where sums of times overflow.
+inline constexpr std::int64_t kLongestNs = std::int64_t{86'400} * 1'000'000'000;
+
+// CARGOBAY_OK for 0 to kLongestNs.
+inline int check_duration(const char* name, std::int64_t duration_ns) noexcept {
+  if (duration_ns >= 0 && duration_ns <= kLongestNs) return CARGOBAY_OK;
+  return guarded([&] {
+    return bad_argument("`" + std::string{name} + "` is " +
+                        (duration_ns < 0 ? "negative" : "more than a day") +
+                        ": give 0 to 86400000000000 ns");
+  });
+}
+
+}  // namespace cargobay::c

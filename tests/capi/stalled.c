@@ -1,0 +1,198 @@
+/* A control function that does not return: every call ends all the same, and the robot stands. */
+#define _GNU_SOURCE
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "check.h"
+
+/* The header says 2 s; the machine may be busy. */
+enum { kGenerousBoundS = 6 };
+
+static double now_s(void) {
+  struct timespec now;
+  CHECK(clock_gettime(CLOCK_MONOTONIC, &now) == 0);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+enum hang { kSleep, kSpin, kEndThread };
+
+/* Not on the stack of a test: the loop may come back when that is gone. */
+struct hung {
+  atomic_bool let_go;
+  atomic_bool inside;
+  atomic_bool returned;
+  enum hang how;
+};
+
+static void does_not_return(void* context, const struct cargobay_state* state,
+                            struct cargobay_wheels* wheels) {
+  struct hung* self = context;
+  wheels->left_mm_s = wheels->right_mm_s = 200.0;
+  if (state->tick < 30) return;
+  atomic_store(&self->inside, true);
+  if (self->how == kEndThread) pthread_exit(NULL);
+  while (!atomic_load(&self->let_go)) {
+    if (self->how == kSleep) usleep(1000);
+  }
+  atomic_store(&self->returned, true);
+}
+
+struct drive {
+  struct cargobay_sim* sim;
+  struct cargobay_robot* robot;
+  struct hung* hung;
+};
+
+static struct drive begin(enum hang how, uint32_t flags, uint32_t guard_deadline_ms) {
+  struct drive drive;
+  SIZED(cargobay_options, options);
+  drive.hung = calloc(1, sizeof *drive.hung);
+  CHECK(drive.hung != NULL);
+  drive.hung->how = how;
+  CHECK(cargobay_sim_open(NULL, &drive.sim) == CARGOBAY_OK);
+  options.flags = CARGOBAY_NO_CONFIG | flags;
+  options.sim = drive.sim;
+  options.priority = 10;
+  options.guard_deadline_ms = guard_deadline_ms;
+  CHECK(cargobay_open(&options, &drive.robot) == CARGOBAY_OK);
+  CHECK(cargobay_set_control(drive.robot, does_not_return, drive.hung) == CARGOBAY_OK);
+  CHECK(cargobay_start(drive.robot) == CARGOBAY_OK);
+  return drive;
+}
+
+static void wait_until_inside(const struct drive* drive) {
+  while (!atomic_load(&drive->hung->inside)) usleep(1000);
+}
+
+static void stands_in_passive(const struct drive* drive) {
+  SIZED(cargobay_truth, truth);
+  CHECK(cargobay_sim_truth(drive->sim, &truth) == CARGOBAY_OK);
+  CHECK(truth.mode == CARGOBAY_MODE_PASSIVE);
+  CHECK(truth.commanded_left_mm_s == 0 && truth.commanded_right_mm_s == 0);
+}
+
+/* The thread comes back, late; what it touches is still there, and the robot does not move. */
+static void let_go(const struct drive* drive) {
+  atomic_store(&drive->hung->let_go, true);
+  while (!atomic_load(&drive->hung->returned)) usleep(1000);
+  usleep(200000);
+  stands_in_passive(drive);
+}
+
+static int wait_for_the_end(struct cargobay_robot* robot) {
+  int error = CARGOBAY_OK;
+  while (error == CARGOBAY_OK) error = cargobay_wait(robot, SECONDS(kGenerousBoundS), NULL);
+  return error;
+}
+
+#define ENDS_IN_TIME(call, code, words)         \
+  do {                                          \
+    const double began_s = now_s();             \
+    CHECK_FAILS(call, code, words);             \
+    CHECK(now_s() - began_s < kGenerousBoundS); \
+  } while (0)
+
+/* Whoever waits is told, with or without a guard; then all calls end. */
+static void ends_every_call(enum hang how, uint32_t flags) {
+  struct drive drive = begin(how, flags, 0);
+  ENDS_IN_TIME(wait_for_the_end(drive.robot), CARGOBAY_E_STALLED, "");
+  CHECK_FAILS(cargobay_wait(drive.robot, 0, NULL), CARGOBAY_E_STALLED, "");
+  ENDS_IN_TIME(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  stands_in_passive(&drive);
+  CHECK_FAILS(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  ENDS_IN_TIME(cargobay_close(drive.robot), CARGOBAY_E_STALLED, "end the program");
+  CHECK_FAILS(cargobay_close(drive.robot), CARGOBAY_E_HANDLE, "closed");
+  if (how != kEndThread) let_go(&drive);
+  CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
+}
+
+/* The guard would come late: the owner's own stop does not wait for it. */
+static void does_not_wait_for_a_slow_guard(void) {
+  struct drive drive = begin(kSleep, 0, 10000);
+  wait_until_inside(&drive);
+  ENDS_IN_TIME(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  stands_in_passive(&drive);
+  CHECK(cargobay_close(drive.robot) == CARGOBAY_E_STALLED);
+  let_go(&drive);
+  CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
+}
+
+/* One that comes back after all leaves nothing behind. */
+static void frees_what_came_back(void) {
+  struct drive drive = begin(kSleep, CARGOBAY_NO_GUARD, 0);
+  wait_until_inside(&drive);
+  CHECK_FAILS(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  let_go(&drive);
+  CHECK(cargobay_close(drive.robot) == CARGOBAY_OK);
+  struct cargobay_robot* robot = robot_of(drive.sim, 0); /* its port is free again */
+  CHECK(cargobay_close(robot) == CARGOBAY_OK);
+  CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
+  free(drive.hung);
+}
+
+static void* waits(void* context) {
+  int* const error = malloc(sizeof *error);
+  CHECK(error != NULL);
+  do {
+    *error = cargobay_wait(context, -1, NULL);
+  } while (*error == CARGOBAY_OK);
+  return error;
+}
+
+/* Closing alone does the same, also for another thread that waits. */
+static void is_closed_under_a_waiting_thread(void) {
+  struct drive drive = begin(kSleep, CARGOBAY_NO_GUARD, 10000);
+  pthread_t thread;
+  void* error = NULL;
+  CHECK(pthread_create(&thread, NULL, waits, drive.robot) == 0);
+  wait_until_inside(&drive);
+  ENDS_IN_TIME(cargobay_close(drive.robot), CARGOBAY_E_STALLED, "end the program");
+  stands_in_passive(&drive);
+  CHECK(pthread_join(thread, &error) == 0);
+  CHECK(*(int*)error == CARGOBAY_E_STALLED || *(int*)error == CARGOBAY_E_STATE ||
+        *(int*)error == CARGOBAY_E_HANDLE);
+  free(error);
+  let_go(&drive);
+  CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
+}
+
+static void* steps(void* context) {
+  struct cargobay_robot* robot = context;
+  while (cargobay_wait(robot, SECONDS(1), NULL) == CARGOBAY_OK) {
+  }
+  return NULL;
+}
+
+/* In virtual time it hangs the thread that waits; another may close all the same. */
+static void is_closed_in_virtual_time(void) {
+  struct drive drive;
+  pthread_t thread;
+  drive.hung = calloc(1, sizeof *drive.hung);
+  CHECK(drive.hung != NULL);
+  drive.sim = virtual_sim();
+  drive.robot = robot_of(drive.sim, 0);
+  CHECK(cargobay_set_control(drive.robot, does_not_return, drive.hung) == CARGOBAY_OK);
+  CHECK(cargobay_start(drive.robot) == CARGOBAY_OK);
+  CHECK(pthread_create(&thread, NULL, steps, drive.robot) == 0);
+  wait_until_inside(&drive);
+  CHECK_FAILS(cargobay_stop(drive.robot), CARGOBAY_E_STATE, "another thread");
+  ENDS_IN_TIME(cargobay_close(drive.robot), CARGOBAY_E_STALLED, "end the program");
+  atomic_store(&drive.hung->let_go, true);
+  CHECK(pthread_join(thread, NULL) == 0);
+}
+
+int main(void) {
+  ends_every_call(kSleep, 0);
+  ends_every_call(kSpin, 0);
+  ends_every_call(kSleep, CARGOBAY_NO_GUARD);
+  ends_every_call(kEndThread, 0);
+  does_not_wait_for_a_slow_guard();
+  frees_what_came_back();
+  is_closed_under_a_waiting_thread();
+  is_closed_in_virtual_time();
+  return 0;
+}
