@@ -12,6 +12,11 @@ as CargobayError. Functions have its names, without `cargobay_`; times are secon
 are given, and as in C (`_ns`) in what is returned. $CARGOBAY_LIBRARY names the library where it is
 not installed.
 
+A value of a wrong type is a TypeError that names the parameter, one that is out of its range an
+ArgumentError, which is a ValueError too. A robot that is no longer used is closed: at the end of its
+`with`, when it is collected, or at the end of the program; not in a forked child, whose parent drives
+on.
+
 Python is no real-time language: write a controller as a loop over wait() or states(). A control
 function works too, but on a robot the loop's thread has to wait for the interpreter, for up to 5 ms
 while another Python thread computes. In virtual time this does not matter.
@@ -19,17 +24,21 @@ while another Python thread computes. In virtual time this does not matter.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import ctypes
 import enum
+import math
+import operator
 import os
 import typing
+import warnings
 from types import TracebackType
 from typing import Annotated, Any, Callable, Iterator, Optional, Sequence, TypeVar, Union
 
 __all__ = [
-    "BringUp", "Bump", "CargobayError", "Distribution", "Error", "Event", "EventKind", "Extra",
-    "Hazard", "Histogram", "How", "Led", "Measure", "Mode", "Packet", "Remainder", "Robot",
+    "ArgumentError", "BringUp", "Bump", "CargobayError", "Distribution", "Error", "Event",
+    "EventKind", "Extra", "Hazard", "Histogram", "How", "Led", "Measure", "Mode", "Packet", "Remainder", "Robot",
     "Sensors", "SimTime", "State", "Statistics", "Truth", "VirtualCreate", "Wheels", "describe",
     "packet_name", "version", "wheels_of",
 ]
@@ -380,6 +389,7 @@ class Sensors(_Struct):
 
     def __getitem__(self, packet: int) -> Optional[int]:
         """The value of one packet; None before a frame has told it."""
+        packet = _whole("packet", packet, Packet.BUMPS_AND_WHEEL_DROPS, _PACKETS - 1)
         return self.value[packet] if self.tick[packet] >= 0 else None
 
 
@@ -438,13 +448,21 @@ class CargobayError(Exception):
         return f"{self.message} ({_library.cargobay_error_name(self.code).decode()})"
 
 
+class ArgumentError(CargobayError, ValueError):
+    """A value is out of its range; `code` is Error.ARGUMENT."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(Error.ARGUMENT, message)
+
+
 _CONTROL = ctypes.CFUNCTYPE(
     None, ctypes.c_void_p, ctypes.POINTER(State), ctypes.POINTER(Wheels))
 
 
 def _checked(result: int, _function: Any, _arguments: Any) -> int:
     if result < 0:
-        raise CargobayError(result, _library.cargobay_error_message().decode(errors="replace"))
+        message = _library.cargobay_error_message().decode(errors="replace")
+        raise ArgumentError(message) if result == Error.ARGUMENT else CargobayError(result, message)
     return result
 
 
@@ -531,13 +549,84 @@ _library = _load()
 _ANSWER_SIZE = 64 * 1024
 
 
-def _text(value: Union[str, os.PathLike[str], None]) -> Optional[bytes]:
-    return None if value is None else os.fsencode(value)
+# ctypes cuts numbers to the size of their type, and text at its first NUL: all are looked at first.
+
+def _whole(name: str, value: Any, least: int, most: int) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"`{name}` is a whole number, not {type(value).__name__}") from None
+    if not least <= number <= most:
+        raise ArgumentError(f"`{name}` is {least} to {most}, not {number}")
+    return number
 
 
-def _ns(seconds: Optional[float]) -> int:
+def _int32(name: str, value: Any) -> int:
+    return _whole(name, value, -2**31, 2**31 - 1)
+
+
+def _uint32(name: str, value: Any) -> int:
+    return _whole(name, value, 0, 2**32 - 1)
+
+
+def _byte(name: str, value: Any) -> int:
+    return _whole(name, value, 0, 255)
+
+
+def _real(name: str, value: Any) -> float:
+    """What the library makes of NaN and infinities, it says itself."""
+    if isinstance(value, (str, bytes, bytearray)) or not hasattr(type(value), "__float__") and (
+            not hasattr(type(value), "__index__")):
+        raise TypeError(f"`{name}` is a number, not {type(value).__name__}")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ArgumentError(f"`{name}` is larger than any number the library knows") from None
+
+
+def _text(name: str, value: Any) -> bytes:
+    if not isinstance(value, str):
+        raise TypeError(f"`{name}` is a str, not {type(value).__name__}")
+    if "\0" in value:
+        raise ArgumentError(f"`{name}` has a NUL in it, where the library would take it to end")
+    return value.encode()
+
+
+def _path(name: str, value: Union[str, os.PathLike[str], None]) -> Optional[bytes]:
+    if value is None:
+        return None
+    try:
+        path = os.fsencode(value)
+    except TypeError:
+        raise TypeError(f"`{name}` is a path or None, not {type(value).__name__}") from None
+    if not path:
+        raise ArgumentError(f"`{name}` is empty; None is the default")
+    if b"\0" in path:
+        raise ArgumentError(f"`{name}` has a NUL in it, which no path has")
+    return path
+
+
+def _seconds(name: str, value: Any) -> float:
+    seconds = _real(name, value)
+    if not 0.0 <= seconds < math.inf:
+        raise ArgumentError(f"`{name}` is 0 or more seconds, not {seconds}")
+    return seconds
+
+
+def _ns(name: str, value: Any) -> int:
+    return min(round(_seconds(name, value) * 1e9), 2**63 - 1)
+
+
+def _timeout_ns(name: str, value: Any) -> int:
     """None: for ever."""
-    return -1 if seconds is None else round(seconds * 1e9)
+    return -1 if value is None else _ns(name, value)
+
+
+def _units(name: str, value: Any, per_second: float) -> int:
+    """A time as a count that is not 0, the default, unless the time is."""
+    seconds = _seconds(name, value)
+    count = max(round(min(seconds * per_second, 2.0**33)), 1) if seconds > 0.0 else 0
+    return _uint32(name, count)
 
 
 def version() -> str:
@@ -548,41 +637,111 @@ def version() -> str:
 
 def packet_name(packet: Union[Packet, int]) -> str:
     """The name of a packet, as the command has it."""
-    name: bytes = _library.cargobay_packet_name(packet)
+    name: bytes = _library.cargobay_packet_name(_int32("packet", packet))
     return name.decode()
 
 
 def wheels_of(velocity_mm_s: float, turn_rate_rad_s: float, wheel_base_mm: float = 258.0) -> Wheels:
     """Wheel speeds of velocity and turn rate."""
-    wheels: Wheels = _library.cargobay_wheels_of(velocity_mm_s, turn_rate_rad_s, wheel_base_mm)
+    wheels: Wheels = _library.cargobay_wheels_of(
+        _real("velocity_mm_s", velocity_mm_s), _real("turn_rate_rad_s", turn_rate_rad_s),
+        _real("wheel_base_mm", wheel_base_mm))
     return wheels
 
 
 def describe(event: Event) -> str:
     """An event in words."""
+    if not isinstance(event, Event):
+        raise TypeError(f"`event` is an Event, not {type(event).__name__}")
     text = ctypes.create_string_buffer(512)
     _library.cargobay_describe_event(ctypes.byref(event), text, len(text))
     return text.value.decode(errors="replace")
 
 
+# What is open in this process, by handle: the name of the function that closes it, and the handle
+# of the virtual Create that it is, if any. Handles are never used twice.
+_open: dict[int, tuple[str, Optional[int]]] = {}
+# Robots whose control function had not returned when they were closed, by their handles.
+_stalled: set[int] = set()
+
+
+def _close(handle: int) -> None:
+    """Closes it, once."""
+    name, sim = _open.pop(handle, ("", None))
+    if not name:
+        return
+    try:
+        getattr(_library, name)(handle)
+    except CargobayError as error:
+        if error.code == Error.STALLED:
+            _stalled.add(handle)
+        if error.code == Error.STATE:
+            _open[handle] = (name, sim)  # it is as it was
+        raise
+
+
+def _keep_for_ever(what: Any) -> None:
+    """Not even the end of the interpreter frees it."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(what))
+
+
+def _close_robots(sim: Optional[int] = None) -> None:
+    """All robots, or those that are this virtual Create."""
+    for handle, (name, of) in list(_open.items()):
+        if name == Robot._closer and sim in (None, of):
+            with contextlib.suppress(CargobayError):
+                _close(handle)
+
+
+@atexit.register
+def _close_all() -> None:
+    """While there is still an interpreter for the control functions."""
+    _close_robots()
+    for handle in list(_open):
+        with contextlib.suppress(CargobayError):
+            _close(handle)
+
+
+# They are the parent's, whose robots drive on.
+os.register_at_fork(after_in_child=_open.clear)
+
+
 class _Handle:
     """What is closed once; after that its functions raise Error.HANDLE."""
 
-    _close: str
+    _closer: str
+    _handle: Optional[int] = None  # until it is open
 
-    def __init__(self) -> None:
-        self._handle = ctypes.c_void_p()
+    def _opened(self, handle: ctypes.c_void_p, sim: Optional[int] = None) -> None:
+        assert handle.value is not None
+        _open[handle.value] = (self._closer, sim)
+        self._handle = handle.value
 
     def close(self) -> None:
-        if self._handle:
-            getattr(_library, self._close)(self._handle)
-            self._handle = ctypes.c_void_p()
+        """Again: nothing."""
+        handle = self._handle
+        try:
+            if handle is not None:
+                _close(handle)
+        finally:
+            if handle not in _open:
+                self._handle = None
+
+    def __del__(self) -> None:
+        # In a collected cycle nothing is taken apart before each of these has run.
+        if not _open or self._handle not in _open:
+            return
+        try:
+            warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
+        finally:
+            with contextlib.suppress(BaseException):  # nobody is there to catch it
+                self.close()
 
 
 class VirtualCreate(_Handle):
     """A virtual Create: a context manager, to be left after the robot that is it."""
 
-    _close = "cargobay_sim_close"
+    _closer = "cargobay_sim_close"
 
     def __init__(self, *, time: SimTime = SimTime.REAL, seed: int = 0,
                  remainder: Remainder = Remainder.UNKNOWN, boot_baud: int = 0,
@@ -591,12 +750,23 @@ class VirtualCreate(_Handle):
                  droop_left: float = 0.0, droop_right: float = 0.0, noise_mm_s: float = 0.0,
                  wheel_base_mm: float = 0.0) -> None:
         """0 and None are the defaults of struct cargobay_sim_options."""
-        super().__init__()
         options = _SimOptions(
-            time=time, seed=seed, remainder=remainder, boot_baud=boot_baud, link=_text(link),
-            world=_text(world), lag_s=lag_s, droop_left=droop_left, droop_right=droop_right,
-            noise_mm_s=noise_mm_s, wheel_base_mm=wheel_base_mm)
-        _library.cargobay_sim_open(ctypes.byref(options), ctypes.byref(self._handle))
+            time=_int32("time", time), seed=_whole("seed", seed, 0, 2**64 - 1),
+            remainder=_int32("remainder", remainder), boot_baud=_uint32("boot_baud", boot_baud),
+            link=_path("link", link), world=_path("world", world), lag_s=_real("lag_s", lag_s),
+            droop_left=_real("droop_left", droop_left),
+            droop_right=_real("droop_right", droop_right),
+            noise_mm_s=_real("noise_mm_s", noise_mm_s),
+            wheel_base_mm=_real("wheel_base_mm", wheel_base_mm))
+        handle = ctypes.c_void_p()
+        _library.cargobay_sim_open(ctypes.byref(options), ctypes.byref(handle))
+        self._opened(handle)
+
+    def __del__(self) -> None:
+        # One that is collected with its robot may come first.
+        if _open and self._handle in _open:
+            _close_robots(self._handle)
+        super().__del__()
 
     def __enter__(self) -> VirtualCreate:
         return self
@@ -614,7 +784,7 @@ class VirtualCreate(_Handle):
     def inject(self, line: str) -> str:
         """Does something to it, as "bump left" or "fault lost 0.01"; returns its answer."""
         answer = ctypes.create_string_buffer(_ANSWER_SIZE)
-        _library.cargobay_sim_inject(self._handle, line.encode(), answer, len(answer))
+        _library.cargobay_sim_inject(self._handle, _text("line", line), answer, len(answer))
         return answer.value.decode(errors="replace")
 
     def truth(self) -> Truth:
@@ -625,17 +795,31 @@ class VirtualCreate(_Handle):
 
     def advance(self, duration_s: float) -> None:
         """Lets time pass without a robot."""
-        _library.cargobay_sim_advance(self._handle, _ns(duration_s))
+        _library.cargobay_sim_advance(self._handle, _ns("duration_s", duration_s))
 
 
 # Wheel speeds, or a pair of left and right.
 Control = Callable[[State], Union[Wheels, "tuple[float, float]"]]
 
 
+class _Shared:
+    """What a robot and its control function know of each other, without holding each other."""
+
+    def __init__(self) -> None:
+        self.handle: Optional[int] = None
+        self.raised: Optional[BaseException] = None
+
+    def reraise(self) -> None:
+        """What was raised there, once, where somebody can catch it."""
+        raised, self.raised = self.raised, None
+        if raised is not None:
+            raise raised
+
+
 class Robot(_Handle):
     """A robot, brought up: a context manager. Without a port, a virtual Create."""
 
-    _close = "cargobay_close"
+    _closer = "cargobay_close"
 
     def __init__(self, port: Union[str, os.PathLike[str], None] = None, *,
                  sim: Optional[VirtualCreate] = None,
@@ -651,10 +835,15 @@ class Robot(_Handle):
                  turn_scale: float = 0.0, record: Union[str, os.PathLike[str], None] = None,
                  progress: Optional[Callable[[str, str], None]] = None) -> None:
         """0 and None are the defaults of struct cargobay_options."""
-        super().__init__()
+        if sim is not None and not isinstance(sim, VirtualCreate):
+            raise TypeError(f"`sim` is a VirtualCreate or None, not {type(sim).__name__}")
+        if sim is not None and sim._handle is None:
+            raise CargobayError(Error.HANDLE, "`sim` is closed; open another VirtualCreate")
+        if progress is not None and not callable(progress):
+            raise TypeError(f"`progress` is a function or None, not {type(progress).__name__}")
         self._sim = sim  # outlives this
         self._control: Any = None  # what C calls must not be collected
-        self._raised: Optional[BaseException] = None
+        shared = self._shared = _Shared()
         flags = _Flag(0)
         for wanted, flag in ((require_realtime, _Flag.REQUIRE_REALTIME),
                              (not guard, _Flag.NO_GUARD),
@@ -666,35 +855,66 @@ class Robot(_Handle):
                 flags |= flag
 
         def tell(_context: Any, step: bytes, detail: bytes) -> None:
-            if progress is not None:
+            if progress is None or shared.raised is not None:
+                return
+            try:
                 progress((step or b"").decode(), (detail or b"").decode(errors="replace"))
+            except BaseException as raised:  # nothing may leave for C
+                shared.raised = raised
 
         options = _Options(
-            flags=flags, port=_text(port), sim=sim._handle.value if sim is not None else None,
-            config=_text(config), baud=baud, mode=mode, remainder=remainder, priority=priority,
-            cpu=cpu or 0, setpoint_lapse_ms=round(setpoint_lapse_s * 1e3),
-            control_budget_us=round(control_budget_s * 1e6), control_overruns=control_overruns,
-            link_timeout_ms=round(link_timeout_s * 1e3),
-            guard_deadline_ms=round(guard_deadline_s * 1e3),
-            acceleration_mm_s2=acceleration_mm_s2, jerk_mm_s3=jerk_mm_s3,
-            wheel_base_mm=wheel_base_mm, distance_scale=distance_scale, turn_scale=turn_scale,
-            record=_text(record), progress=_PROGRESS(tell) if progress else _PROGRESS(0))
-        _library.cargobay_open(ctypes.byref(options), ctypes.byref(self._handle))
+            flags=flags, port=_path("port", port), sim=sim._handle if sim is not None else None,
+            config=_path("config", config), baud=_uint32("baud", baud), mode=_int32("mode", mode),
+            remainder=_int32("remainder", remainder), priority=_int32("priority", priority),
+            cpu=0 if cpu is None else _int32("cpu", cpu),
+            setpoint_lapse_ms=_units("setpoint_lapse_s", setpoint_lapse_s, 1e3),
+            control_budget_us=_units("control_budget_s", control_budget_s, 1e6),
+            control_overruns=_uint32("control_overruns", control_overruns),
+            link_timeout_ms=_units("link_timeout_s", link_timeout_s, 1e3),
+            guard_deadline_ms=_units("guard_deadline_s", guard_deadline_s, 1e3),
+            acceleration_mm_s2=_real("acceleration_mm_s2", acceleration_mm_s2),
+            jerk_mm_s3=_real("jerk_mm_s3", jerk_mm_s3),
+            wheel_base_mm=_real("wheel_base_mm", wheel_base_mm),
+            distance_scale=_real("distance_scale", distance_scale),
+            turn_scale=_real("turn_scale", turn_scale), record=_path("record", record),
+            progress=_PROGRESS(tell) if progress else _PROGRESS(0))
+        handle = ctypes.c_void_p()
+        try:
+            _library.cargobay_open(ctypes.byref(options), ctypes.byref(handle))
+        except CargobayError:
+            shared.reraise()
+            raise
+        self._opened(handle, sim._handle if sim is not None else None)
+        shared.handle = self._handle
+        if shared.raised is not None:
+            self.close()
 
     def __enter__(self) -> Robot:
         return self
 
     def __exit__(self, kind: Optional[type[BaseException]], error: Optional[BaseException],
                  trace: Optional[TracebackType]) -> None:
-        self.close()
         if error is None:
-            self._raise()
+            self.close()
+            return
+        with contextlib.suppress(BaseException):  # the first one counts
+            self.close()
 
-    def _raise(self) -> None:
-        """What the control function raised, once, where somebody can catch it."""
-        raised, self._raised = self._raised, None
-        if raised is not None:
-            raise raised
+    def close(self) -> None:
+        """Stops the robot if it was not. Raises what the control function had raised, if nobody
+        else has seen it. Where that function does not return: Error.STALLED, and it is closed."""
+        handle = self._handle
+        try:
+            super().close()
+        finally:
+            if handle in _stalled:
+                _keep_for_ever(self._control)
+            self._shared.reraise()
+
+    def __del__(self) -> None:
+        if _stalled and self._handle in _stalled:  # closed by its handle alone
+            _keep_for_ever(self._control)
+        super().__del__()
 
     def bring_up(self) -> BringUp:
         """How the bring-up went."""
@@ -709,16 +929,22 @@ class Robot(_Handle):
         It is called once a frame and must not block. What it raises ends the loop, and is raised
         again by wait(), stop(), or at the end of the `with`. The state is valid during the call.
         """
+        if control is not None and not callable(control):
+            raise TypeError(f"`control` is a function or None, not {type(control).__name__}")
+        shared = self._shared
+
         def call(_context: Any, state: Any, wheels: Any) -> None:
             try:
                 answer = control(state.contents) if control is not None else (0.0, 0.0)
                 if not isinstance(answer, Wheels):
-                    answer = Wheels(left_mm_s=answer[0], right_mm_s=answer[1])
+                    left_mm_s, right_mm_s = answer
+                    answer = Wheels(left_mm_s=_real("left_mm_s", left_mm_s),
+                                    right_mm_s=_real("right_mm_s", right_mm_s))
                 wheels[0] = answer
             except BaseException as raised:  # nothing may leave for C
-                self._raised = self._raised or raised
+                shared.raised = shared.raised or raised
                 with contextlib.suppress(CargobayError):
-                    _library.cargobay_request_stop(self._handle)
+                    _library.cargobay_request_stop(shared.handle)
 
         wrapped = _CONTROL(call) if control is not None else _CONTROL(0)
         _library.cargobay_set_control(self._handle, wrapped, None)
@@ -733,7 +959,7 @@ class Robot(_Handle):
         try:
             _library.cargobay_stop(self._handle)
         finally:
-            self._raise()
+            self._shared.reraise()
 
     def request_stop(self) -> None:
         """Asks the loop to end; stop() is still to be called."""
@@ -752,39 +978,50 @@ class Robot(_Handle):
         """
         state = State()
         try:
-            _library.cargobay_wait(self._handle, _ns(timeout_s), ctypes.byref(state))
+            _library.cargobay_wait(self._handle, _timeout_ns("timeout_s", timeout_s),
+                                   ctypes.byref(state))
         except CargobayError:
-            self._raise()
+            self._shared.reraise()
             raise
         return state
 
     def states(self, duration_s: Optional[float] = None) -> Iterator[State]:
         """The state of each frame, for so long in the robot's time, or until the loop ends."""
+        duration_ns = None if duration_s is None else _ns("duration_s", duration_s)
+        return self._states(duration_ns)
+
+    def _states(self, duration_ns: Optional[int]) -> Iterator[State]:
         begin_ns: Optional[int] = None
         while True:
             state = self.wait()
             begin_ns = state.time_ns if begin_ns is None else begin_ns
-            if duration_s is not None and state.time_ns - begin_ns >= _ns(duration_s):
+            if duration_ns is not None and state.time_ns - begin_ns >= duration_ns:
                 return
             yield state
 
     def reset_odometry(self, x_mm: float = 0.0, y_mm: float = 0.0,
                        heading_rad: float = 0.0) -> None:
         """Puts the odometry somewhere, from the next frame on."""
-        _library.cargobay_reset_odometry(self._handle, x_mm, y_mm, heading_rad)
+        _library.cargobay_reset_odometry(
+            self._handle, _real("x_mm", x_mm), _real("y_mm", y_mm),
+            _real("heading_rad", heading_rad))
 
 
     def drive_wheels(self, left_mm_s: float, right_mm_s: float) -> None:
         """Sets the speed of each wheel, until it lapses: after half a second."""
-        _library.cargobay_drive_wheels(self._handle, left_mm_s, right_mm_s)
+        _library.cargobay_drive_wheels(
+            self._handle, _real("left_mm_s", left_mm_s), _real("right_mm_s", right_mm_s))
 
     def drive(self, velocity_mm_s: float, turn_rate_rad_s: float) -> None:
         """Sets velocity and turn rate, which is positive to the left."""
-        _library.cargobay_drive(self._handle, velocity_mm_s, turn_rate_rad_s)
+        _library.cargobay_drive(
+            self._handle, _real("velocity_mm_s", velocity_mm_s),
+            _real("turn_rate_rad_s", turn_rate_rad_s))
 
     def drive_radius(self, velocity_mm_s: float, radius_mm: float) -> None:
         """Sets velocity and radius: positive to the left; math.inf: straight on; 0: in place."""
-        _library.cargobay_drive_radius(self._handle, velocity_mm_s, radius_mm)
+        _library.cargobay_drive_radius(
+            self._handle, _real("velocity_mm_s", velocity_mm_s), _real("radius_mm", radius_mm))
 
     def rearm(self) -> None:
         """Tells the robot to go back to its mode after it was lost (`hold_on_mode_loss`)."""
@@ -792,7 +1029,7 @@ class Robot(_Handle):
 
     def expect_silence(self, duration_s: float) -> None:
         """For so long the robot's silence is no lost link."""
-        _library.cargobay_expect_silence(self._handle, _ns(duration_s))
+        _library.cargobay_expect_silence(self._handle, _ns("duration_s", duration_s))
 
 
     def events(self) -> list[Event]:
@@ -812,61 +1049,76 @@ class Robot(_Handle):
 
     def subscribe(self, extras: Union[Extra, int]) -> None:
         """Which of the extra lists are streamed from now on."""
-        _library.cargobay_subscribe(self._handle, extras)
+        _library.cargobay_subscribe(self._handle, _uint32("extras", extras))
 
     def query(self, packet: Union[Packet, int], timeout_s: Optional[float] = 1.0) -> int:
         """Asks for one packet: its value, sampled after the call."""
         value = ctypes.c_int32()
-        _library.cargobay_query(self._handle, packet, _ns(timeout_s), ctypes.byref(value))
+        _library.cargobay_query(self._handle, _int32("packet", packet),
+                                _timeout_ns("timeout_s", timeout_s), ctypes.byref(value))
         return value.value
 
 
     def leds(self, leds: Union[Led, int], power_color: int, power_intensity: int) -> None:
         """Power LED: colour 0 (green) to 255 (red), intensity 0 to 255."""
-        _library.cargobay_leds(self._handle, leds, power_color, power_intensity)
+        _library.cargobay_leds(
+            self._handle, _uint32("leds", leds), _byte("power_color", power_color),
+            _byte("power_intensity", power_intensity))
 
     def digital_outputs(self, outputs: int) -> None:
-        _library.cargobay_digital_outputs(self._handle, outputs)
+        _library.cargobay_digital_outputs(self._handle, _uint32("outputs", outputs))
 
     def low_side_drivers(self, drivers: int) -> None:
-        _library.cargobay_low_side_drivers(self._handle, drivers)
+        _library.cargobay_low_side_drivers(self._handle, _uint32("drivers", drivers))
 
     def pwm_low_side_drivers(self, driver_0: int, driver_1: int, driver_2: int) -> None:
         """Duty cycles, 0 to 128."""
-        _library.cargobay_pwm_low_side_drivers(self._handle, driver_0, driver_1, driver_2)
+        _library.cargobay_pwm_low_side_drivers(
+            self._handle, _byte("driver_0", driver_0), _byte("driver_1", driver_1),
+            _byte("driver_2", driver_2))
 
     def send_ir(self, byte: int) -> None:
-        _library.cargobay_send_ir(self._handle, byte)
+        _library.cargobay_send_ir(self._handle, _byte("byte", byte))
 
     def song(self, slot: int, notes: Sequence[tuple[int, int]]) -> None:
         """Stores a song of pairs: MIDI number and duration in 1/64 s."""
-        array = (_Note * len(notes))(*(_Note(*note) for note in notes))
-        _library.cargobay_song(self._handle, slot, array, len(notes))
+        try:
+            pairs = [(number, duration) for number, duration in notes]
+        except (TypeError, ValueError):
+            raise TypeError("`notes` are pairs of MIDI number and duration in 1/64 s") from None
+        array = (_Note * len(pairs))(*(
+            _Note(_byte("number", number), _byte("duration", duration))
+            for number, duration in pairs))
+        _library.cargobay_song(self._handle, _byte("slot", slot), array, len(pairs))
 
     def play_song(self, slot: int) -> None:
-        _library.cargobay_play_song(self._handle, slot)
+        _library.cargobay_play_song(self._handle, _byte("slot", slot))
 
     def tune(self, slot: int, rtttl: str) -> list[int]:
         """Stores a tune in RTTTL in song slots from `slot` on: the duration of each in 1/64 s."""
         durations = (ctypes.c_int32 * 16)()
-        count = _library.cargobay_tune(self._handle, slot, rtttl.encode(), durations)
+        count = _library.cargobay_tune(self._handle, _byte("slot", slot), _text("rtttl", rtttl),
+                                        durations)
         return list(durations[:count])
 
     def script(self, text: str, how: Union[How, int] = How.BESIDE_THE_LOOP) -> None:
         """Stores a script, as "drive 300 straight; wait_distance 400; drive 0 0"."""
-        _library.cargobay_script(self._handle, text.encode(), how)
+        _library.cargobay_script(self._handle, _text("text", text), _uint32("how", how))
 
     def play_script(self, expected_s: float) -> None:
         """Plays it; `expected_s` is how long it may take."""
-        _library.cargobay_play_script(self._handle, _ns(expected_s))
+        _library.cargobay_play_script(self._handle, _ns("expected_s", expected_s))
 
     def command(self, text: str, how: Union[How, int] = How.BESIDE_THE_LOOP) -> None:
         """Any command as text: "leds play 0 255"."""
-        _library.cargobay_command(self._handle, text.encode(), how)
+        _library.cargobay_command(self._handle, _text("text", text), _uint32("how", how))
 
     def raw(self, data: bytes, how: Union[How, int] = How.BESIDE_THE_LOOP) -> None:
         """One or more whole commands as bytes."""
-        _library.cargobay_raw(self._handle, data, len(data), how)
+        if not isinstance(data, (bytes, bytearray, memoryview)):
+            raise TypeError(f"`data` is bytes, not {type(data).__name__}")
+        held = bytes(data)
+        _library.cargobay_raw(self._handle, held, len(held), _uint32("how", how))
 
 
     def missing_rights(self) -> str:
@@ -885,8 +1137,9 @@ class Robot(_Handle):
         """A copy of what the loop has measured of itself so far; to be closed."""
         histogram = Histogram()
         try:
-            _library.cargobay_copy_histogram(self._handle, measure, histogram._handle)
-        except CargobayError:
+            _library.cargobay_copy_histogram(
+                self._handle, _int32("measure", measure), histogram._handle)
+        except (CargobayError, TypeError):
             histogram.close()
             raise
         return histogram
@@ -895,11 +1148,12 @@ class Robot(_Handle):
 class Histogram(_Handle):
     """A histogram of times with fixed memory: a context manager."""
 
-    _close = "cargobay_histogram_close"
+    _closer = "cargobay_histogram_close"
 
     def __init__(self) -> None:
-        super().__init__()
-        _library.cargobay_histogram_open(ctypes.byref(self._handle))
+        handle = ctypes.c_void_p()
+        _library.cargobay_histogram_open(ctypes.byref(handle))
+        self._opened(handle)
 
     def __enter__(self) -> Histogram:
         return self
@@ -910,7 +1164,8 @@ class Histogram(_Handle):
 
     def record(self, time_ns: int) -> None:
         """Counts a time."""
-        _library.cargobay_histogram_record(self._handle, time_ns)
+        _library.cargobay_histogram_record(
+            self._handle, _whole("time_ns", time_ns, -2**63, 2**63 - 1))
 
     def distribution(self) -> Distribution:
         """What it holds."""
@@ -921,5 +1176,6 @@ class Histogram(_Handle):
     def percentile_ns(self, percent: float) -> int:
         """The time that `percent` of what it holds do not exceed."""
         time_ns = ctypes.c_int64()
-        _library.cargobay_histogram_percentile(self._handle, percent, ctypes.byref(time_ns))
+        _library.cargobay_histogram_percentile(
+            self._handle, _real("percent", percent), ctypes.byref(time_ns))
         return time_ns.value
