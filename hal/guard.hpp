@@ -39,8 +39,6 @@ struct GuardOptions {
 
 class Guard {
  public:
-  static constexpr rt::Duration kLeastDeadline = std::chrono::milliseconds{40};
-
   // Starts the process over the stream's terminal, which outlives the guard, and waits until it is
   // ready: some ms, 2 s at most. `priority` is the control thread's SCHED_FIFO priority, 0 where it
   // has none. `baud` is the rate that the bring-up brings the robot to. Allocates.

@@ -15,14 +15,13 @@
 namespace cargobay::hal {
 namespace {
 
-using Kind = OutputName::Kind;
 
 constexpr int kMostLinks = 40;  // as the kernel
 
 OutputName refuse(const std::string& what) {
-  return {.kind = Kind::refused, .refusal = what + "; name a file of your own"};
+  return {.kind = OutputName::Kind::refused, .refusal = what + "; name a file of your own"};
 }
-OutputName fail(int error) { return {.kind = Kind::failed, .error = error}; }
+OutputName fail(int error) { return {.kind = OutputName::Kind::failed, .error = error}; }
 
 // N of /dev/fd/N and of its other names.
 std::optional<int> descriptor_named(std::string_view path) {
@@ -70,7 +69,7 @@ OutputName of_a_descriptor(int number) {
   if (S_ISBLK(status.st_mode) ||
       (S_ISCHR(status.st_mode) && !terminal && !takes_everything(status)))
     return refuse("it is a device");
-  return {.kind = Kind::descriptor, .descriptor = number};
+  return {.kind = OutputName::Kind::descriptor, .descriptor = number};
 }
 
 // By what it is: no link.
@@ -78,13 +77,13 @@ OutputName judge(const std::string& path, const struct stat& status) {
   if (S_ISDIR(status.st_mode)) return fail(EISDIR);
   if (S_ISSOCK(status.st_mode)) return refuse("it is a socket");
   if (S_ISBLK(status.st_mode)) return refuse("it is a disk");
-  if (takes_everything(status)) return {.kind = Kind::in_place, .path = path};
+  if (takes_everything(status)) return {.kind = OutputName::Kind::in_place, .path = path};
   if (S_ISCHR(status.st_mode)) return refuse("it is a port, a terminal or another device");
   if (belongs_to_others(path, status))
     return refuse("it belongs to another user, in a folder that is open to all");
-  if (S_ISFIFO(status.st_mode)) return {.kind = Kind::in_place, .path = path};
+  if (S_ISFIFO(status.st_mode)) return {.kind = OutputName::Kind::in_place, .path = path};
   if (faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0) return fail(errno);
-  return {.kind = Kind::present, .path = path};
+  return {.kind = OutputName::Kind::present, .path = path};
 }
 
 }  // namespace
@@ -98,7 +97,7 @@ OutputName find_output(const std::string& path) {
     struct stat status{};
     if (lstat(at.c_str(), &status) != 0) {
       if (errno != ENOENT) return fail(errno);
-      return {.kind = Kind::absent, .path = at};
+      return {.kind = OutputName::Kind::absent, .path = at};
     }
     if (!S_ISLNK(status.st_mode)) return judge(at, status);
     if (belongs_to_others(at, status))

@@ -8,7 +8,7 @@
 namespace cargobay::hal {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{200};
+constexpr std::chrono::milliseconds kQueuePatience{200};
 constexpr std::uint32_t kSpacedBaud = 115200;
 constexpr int kMostFailures = 2;
 
@@ -16,7 +16,7 @@ constexpr int kMostFailures = 2;
 
 bool write_all(ByteStream& stream, std::span<const std::uint8_t> bytes) {
   const bool spaced = stream.baud() >= kSpacedBaud;
-  rt::TimePoint limit = stream.now() + kPatience;
+  rt::TimePoint limit = stream.now() + kQueuePatience;
   int failures = 0;
   while (!bytes.empty()) {
     if (!stream.still_open()) return false;
@@ -27,7 +27,7 @@ bool write_all(ByteStream& stream, std::span<const std::uint8_t> bytes) {
     if (failed && ++failures >= kMostFailures) return false;
     if (spaced && transfer.count > 0) {
       stream.sleep(2 * oi::kByteSpacingAt115200);
-      limit = stream.now() + kPatience;
+      limit = stream.now() + kQueuePatience;
     } else if (!bytes.empty()) {
       if (stream.now() >= limit) return false;
       if (!stream.drain(limit - stream.now())) stream.sleep(std::chrono::milliseconds{1});

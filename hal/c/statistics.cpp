@@ -84,7 +84,7 @@ int cargobay_missing_rights(struct cargobay_robot* robot, char* text, size_t tex
   if (text == nullptr) return bad_argument("`text` is NULL: give it room, 1500 characters do");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
-    if (!use) return no_robot();
+    if (!use) return bad_robot(robot);
     if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
     const auto lines = use->grant ? cargobay::rt::explain(*use->grant) : std::string{};
     return copy_text(lines, text, text_size);

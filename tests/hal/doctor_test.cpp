@@ -209,7 +209,7 @@ TEST_F(Doctor, SeesTheKernelsConsoleOnThePort) {
 TEST_F(Doctor, SeesWhoElseHasThePortOpen) {
   write("dev/ttyAMA1", "");
   add_process(55, "agetty", 0, 0);
-  write("proc/55/cmdline", std::string("/sbin/agetty\0-o\0--\0--noclear\0-\0linux", 38));
+  write("proc/55/cmdline", std::string("/sbin/agetty\0-o\0--\0--noclear\0-\0linux", 37));
   write("proc/55/cgroup",
         "0::/system.slice/system-serial\\x2dgetty.slice/serial-getty@ttyAMA0.service");
   opens(55, "dev/ttyAMA1");

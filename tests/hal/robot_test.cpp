@@ -133,7 +133,7 @@ TEST_F(RobotTest, IsStoppedWhereTheControlFunctionDoesNotReturn) {
   const Robot::Farewell farewell = (*robot)->stop();
   EXPECT_TRUE(farewell.abandoned);
   EXPECT_EQ(farewell.end, CycleEnd::guarded);
-  EXPECT_TRUE(farewell.confirmed_passive);
+  EXPECT_TRUE(farewell.robot.standing());
   EXPECT_NE(explain(farewell).find("has not returned"), std::string::npos);
   EXPECT_TRUE((*robot)->lost());
   EXPECT_EQ(device.mode(), oi::Mode::passive);

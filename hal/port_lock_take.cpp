@@ -1,0 +1,59 @@
+// How a port is taken, and what is said if it cannot be. Apart from the rest of a PortLock, which the
+// guard has too: it takes no port, and needs nothing of this.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "hal/port_lock.hpp"
+#include "hal/port_users.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+std::string who_uses(const std::string& path) {
+  const PortUsers users = find_port_users(path);
+  if (users.found.empty()) return "another process; see who it is with: sudo fuser -v " + path;
+  return "another process, " + describe(users.found) + ": " + remedy(users.found.front());
+}
+
+}  // namespace
+
+Failure cannot_open(const std::string& path, int error) {
+  const std::error_code code{error, std::generic_category()};
+  const std::string what = "cannot open " + path + ": ";
+  switch (error) {
+    case ENOTTY:
+    case EISDIR:
+      return {what +
+                  "not a terminal; name a serial port such as /dev/ttyUSB0, or what `cargobay sim` "
+                  "prints",
+              code};
+    case ENOENT:
+    case ENOTDIR:
+    case ENXIO:
+    case ENODEV:
+      return {what + "no such port; plug the cable in, or list what there is with: cargobay ports",
+              code};
+    case EACCES:
+    case EPERM:
+      return {what +
+                  "permission denied; join the group that owns it (sudo adduser $USER dialout) and "
+                  "log in anew",
+              code};
+    case EBUSY: return {what + "in use by " + who_uses(path), code};
+    default: return {what + code.message(), code};
+  }
+}
+
+Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
+  const StandardNumbersTaken taken;
+  const int descriptor = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return cannot_open(path, errno);
+  std::unique_ptr<PortLock> lock{new PortLock{PortDescriptor::adopt(descriptor)}};
+  if (isatty(lock->descriptor()) == 0) return cannot_open(path, ENOTTY);
+  if (const int error = lock->lock(); error != 0) return cannot_open(path, error);
+  return lock;
+}
+
+}  // namespace cargobay::hal
