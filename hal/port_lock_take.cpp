@@ -1,5 +1,5 @@
-// How a port is taken, and what is said if it cannot be. Apart from the rest of a PortLock, which the
-// guard has too: it takes no port, and needs nothing of this.
+// How a port is taken, and what is said if it cannot be. Apart from the rest of a PortLock, which
+// the guard has too: it takes no port, and needs nothing of this.
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -9,8 +9,8 @@
 namespace cargobay::hal {
 
 // Both directions, from now on, by the rate's constant if it has one, so that every program that
-// looks at the terminal sees the rate. What is still to be sent goes at the new rate, so drain first.
-// After an error the former rate holds.
+// looks at the terminal sees the rate. What is still to be sent goes at the new rate, so drain
+// first. After an error the former rate holds.
 [[nodiscard]] std::error_code set_tty_speed(int descriptor, std::uint32_t baud);
 
 // The rate the terminal sends at; nothing where it is no terminal. On the master side of a

@@ -15,6 +15,7 @@
 #include "hal/forwarding_stream.hpp"
 #include "hal/open_port.hpp"
 #include "hal/output_file.hpp"
+#include "hal/port_descriptor.hpp"
 #include "hal/settings.hpp"
 #include "oi/baud.hpp"
 
@@ -247,6 +248,7 @@ void end(RobotObject& object) {
 }
 
 int start(RobotObject& object) {
+  const hal::StandardNumbersTaken taken;
   if (object.life.load() != RobotObject::Life::open) {
     return fail(CARGOBAY_E_STATE,
                 "the loop was started before; a robot starts once, then a new one is to be opened");
@@ -323,7 +325,10 @@ int cargobay_open(const struct cargobay_options* options, struct cargobay_robot*
         "cargobay_options: set `size` to its sizeof, and what is not used to 0; a newer program's "
         "options need a newer library");
   }
-  return guarded([&] { return open_robot(known, robot); });
+  return guarded([&] {
+    const cargobay::hal::StandardNumbersTaken taken;
+    return open_robot(known, robot);
+  });
 }
 
 int cargobay_close(struct cargobay_robot* robot) {

@@ -11,6 +11,7 @@
 #include "hal/c/sim_object.hpp"
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
+#include "hal/port_descriptor.hpp"
 #include "hal/settings.hpp"
 #include "hal/sim/control.hpp"
 #include "oi/baud.hpp"
@@ -156,7 +157,10 @@ int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargoba
         "cargobay_sim_options: set `size` to its sizeof, and what is not used to 0; a newer "
         "program's options need a newer library");
   }
-  return guarded([&] { return open_sim(known, sim); });
+  return guarded([&] {
+    const cargobay::hal::StandardNumbersTaken taken;
+    return open_sim(known, sim);
+  });
 }
 
 int cargobay_sim_close(struct cargobay_sim* sim) {

@@ -79,16 +79,17 @@ int sensors(const SensorsOptions& options) {
   if (!has_port(*config)) return kUsageError;
   auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
+  // If this program is killed, the robot does not stream on and the port is put back.
+  auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
+  if (!duty) return fail(duty.failure());
   // A live table needs a terminal; elsewhere one reading is what makes sense.
   if (options.once || (!options.as_json && !stdout_is_terminal())) {
     const auto values = hal::query_sensors(**port, *packets);
+    (*duty)->waive();
     if (!values) return fail(values.failure());
     show(options, *packets, *values);
     return kSuccess;
   }
-  // If this program is killed, the robot does not stream on and the port is put back.
-  auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
-  if (!duty) return fail(duty.failure());
   auto stream = hal::SensorStream::open(**port, *packets);
   const int code = stream ? watch(options, *packets, **stream, signals) : fail(stream.failure());
   if (stream) stream->reset();  // pauses

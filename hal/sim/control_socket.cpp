@@ -121,6 +121,7 @@ std::optional<Failure> ControlSocket::listen_on_path() {
     return failure(path_, std::make_error_code(std::errc::filename_too_long),
                    "name a path of 1 to 107 bytes");
   }
+  const FolderTurn turn{path_};
   fchmod(listener_, S_IRUSR | S_IWUSR);  // the file gets it from the first moment on
   int error = 0;
   for (int i = 0; i < kTries; ++i) {

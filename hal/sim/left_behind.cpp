@@ -1,6 +1,7 @@
 #include "hal/sim/left_behind.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <ctime>
 
 namespace cargobay::hal::sim {
 
@@ -48,6 +50,23 @@ std::error_code remove_if(const std::string& path,
   if (removable(moved)) return remove_at(moved);
   (void)move(moved, path);  // fails only where a third has come; the file is not lost
   return std::make_error_code(std::errc::file_exists);
+}
+
+FolderTurn::FolderTurn(const std::string& path) {
+  constexpr int kLooks = 200;
+  constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 5'000'000};
+  const std::size_t slash = path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  folder_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  for (int i = 0; folder_ >= 0 && i < kLooks; ++i) {
+    if (flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+    nanosleep(&kPause, nullptr);
+  }
+}
+
+// The lock goes with the only descriptor of it.
+FolderTurn::~FolderTurn() {
+  if (folder_ >= 0) close(folder_);
 }
 
 std::string link_target(const std::string& link) {

@@ -14,6 +14,22 @@ namespace cargobay::hal::sim {
 std::error_code remove_if(const std::string& path,
                           const std::function<bool(const std::string&)>& removable);
 
+// While it lives no other process, and no other thread, holds one for the same folder: of several
+// that find the same dead file, the second finds what the first has put there. Waits for its turn
+// for 1 s; then, and in a folder that may not be read, it is had without: who only holds the lock
+// holds nobody up for ever.
+class FolderTurn {
+ public:
+  // The folder that `path` is in.
+  explicit FolderTurn(const std::string& path);
+  ~FolderTurn();
+  FolderTurn(const FolderTurn&) = delete;
+  FolderTurn& operator=(const FolderTurn&) = delete;
+
+ private:
+  int folder_;
+};
+
 // Where a symbolic link leads; empty if it is none.
 std::string link_target(const std::string& link);
 

@@ -15,6 +15,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "hal/port_descriptor.hpp"
+
 namespace cargobay::hal::sim {
 
 namespace {
@@ -55,6 +57,7 @@ PtyClients::~PtyClients() {
 
 void PtyClients::reopen() {
   // Not by its path: whoever may not open that can be us, in look().
+  const StandardNumbersTaken taken;
   own_ = ioctl(master_, TIOCGPTPEER, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
 }
 

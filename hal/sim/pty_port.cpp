@@ -69,6 +69,7 @@ std::optional<std::string> reason_to_keep(const std::string& link, const std::st
 
 std::optional<Failure> PtyPort::make_link(const std::string& link) {
   constexpr int kTries = 10;  // others may come and go in that place
+  const FolderTurn turn{link};
   int error = 0;
   for (int i = 0; i < kTries; ++i) {
     if (symlink(device_path_.c_str(), link.c_str()) == 0) {

@@ -160,7 +160,7 @@ static void is_guarded(void) {
   } while (truth.mode != CARGOBAY_MODE_PASSIVE);
   CHECK(truth.commanded_left_mm_s == 0);
   atomic_store(&let_go, true);
-  CHECK_FAILS(cargobay_stop(robot), CARGOBAY_E_STALLED, "its guard stopped the robot");
+  CHECK_FAILS(cargobay_stop(robot), CARGOBAY_E_STALLED, "stopped by its guard");
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }

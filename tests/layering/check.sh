@@ -31,7 +31,7 @@ BEGIN {
          " source_location sstream stack stdexcept stop_token streambuf string strstream" \
          " syncstream thread typeindex typeinfo unordered_map unordered_set valarray vector"
   # C, POSIX, the kernel and the compiler, by name or by folder.
-  posix = "assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h float.h getopt.h grp.h inttypes.h" \
+  posix = "assert.h ctype.h cxxabi.h dirent.h dlfcn.h errno.h fcntl.h float.h getopt.h grp.h inttypes.h" \
          " langinfo.h limits.h link.h locale.h malloc.h math.h mqueue.h poll.h pthread.h pty.h pwd.h sched.h" \
          " semaphore.h setjmp.h signal.h spawn.h stdarg.h stdbool.h stddef.h stdint.h stdio.h stdlib.h" \
          " string.h strings.h syslog.h termios.h time.h unistd.h utmp.h wchar.h"

@@ -9,6 +9,7 @@ namespace {
 
 using hal::sim::Device;
 using testing::AllOf;
+using testing::AnyOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -190,7 +191,8 @@ TEST_F(DriveTest, NeverMovesWithoutTheRightsItRequires) {
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.err(), OneErrorLine("CAP_SYS_NICE"));
   EXPECT_THAT(command.err(),
-              AllOf(HasSubstr("/etc/security/limits.d"), HasSubstr("leave out --require-rt")));
+              AllOf(AnyOf(HasSubstr("/etc/security/limits.d"), HasSubstr("start the container")),
+                    HasSubstr("leave out --require-rt")));
   EXPECT_THAT(command.out(), Not(HasSubstr(kTable)));
   EXPECT_EQ(mode(), oi::Mode::passive);
   for (const hal::sim::DriveRecord& record : drives())
