@@ -78,7 +78,7 @@ def sim_serves(create, closed):
         program.send(signal.SIGTERM)
         code = program.end(2.5)
         # Where it was to say the name of its port there is nothing: a write error, at the end.
-        check(code == (1 if 1 in closed else 0), f"exit code {code}")
+        check(code == (1 if "1" in closed else 0), f"exit code {code}")
 
 
 for shut in CLOSED:
