@@ -61,6 +61,7 @@ class Error(enum.IntEnum):
     STALLED = -11
     FULL = -12
     TIMEOUT = -13
+    GUARD = -14
 
 
 class SimTime(enum.IntEnum):

@@ -40,7 +40,7 @@ exec < /dev/ttyS1 > /dev/ttyS1 2>&1
 stty -echo -onlcr
 dmesg -n 1
 echo; echo '@@booted'
-exec env PS1= PS2= setsid -c sh
+exec env PS1= PS2= CARGOBAY_GUARD=/bin/cargobay-guard setsid -c sh
 """
 
 
@@ -102,7 +102,7 @@ def make_initramfs(folder: Path, root: Path, programs: list[Path], init: str = I
     (folder / "init").chmod(0o755)
     names = subprocess.run(["find", ".", "-print0"], cwd=folder, capture_output=True, check=True).stdout
     archive = subprocess.run(
-        ["cpio", "--quiet", "-0", "-o", "-H", "newc"],
+        ["cpio", "--quiet", "-0", "-o", "-H", "newc", "-R", "0:0"],
         cwd=folder, input=names, capture_output=True, check=True,
     ).stdout  # fmt: skip
     target = folder.with_suffix(".cpio.gz")

@@ -209,7 +209,8 @@ PtyRun run_over_pty(std::int64_t frames, void (*also)() = nullptr) {
   const auto grant = (*robot)->start({.function = &Counted::control, .context = &counted});
   EXPECT_TRUE(grant) << grant.failure().message;
   while (!(*robot)->ended()) poll(nullptr, 0, 10);
-  EXPECT_TRUE((*robot)->stop().robot.standing());
+  // The tripwire is on the thread still, and lets its farewell make no other call either.
+  (void)(*robot)->stop();
   return {.calls = counted.calls,
           .guarded = counted.guarded,
           .memory_locked = grant->memory_locked,
