@@ -284,6 +284,7 @@ std::optional<Finding> console(const fs::path& root, const std::string& tty) {
 std::vector<Finding> users(const std::string& path, const fs::path& root) {
   const PortUsers users = find_port_users(path, root);
   std::vector<Finding> findings;
+  findings.reserve(users.found.size());
   for (const PortUser& user : users.found) {
     findings.push_back(
         {"users", Verdict::bad, describe(user) + " has " + path + " open", remedy(user, root)});

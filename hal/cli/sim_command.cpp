@@ -22,6 +22,7 @@
 #include "hal/sim/world.hpp"
 #include "hal/sim/world_drawing.hpp"
 #include "oi/baud.hpp"
+#include "rt/refusal.hpp"
 
 namespace cargobay::cli {
 namespace {
