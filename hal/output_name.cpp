@@ -15,7 +15,6 @@
 namespace cargobay::hal {
 namespace {
 
-
 constexpr int kMostLinks = 40;  // as the kernel
 
 OutputName refuse(const std::string& what) {

@@ -96,20 +96,20 @@ bool is_master(const Port& port, const fs::path& process, const std::string& nam
 Holding look(const Port& port, const fs::path& process) {
   const std::unique_ptr<DIR, int (*)(DIR*)> folder{opendir((process / "fd").c_str()), &closedir};
   if (!folder) return errno == EACCES || errno == EPERM ? Holding::unseen : Holding::nothing;
+  const int descriptor = dirfd(folder.get());
+  if (descriptor < 0) return Holding::nothing;
   Holding holding = Holding::nothing;
   // NOLINTNEXTLINE(concurrency-mt-unsafe): the folder is this function's own
   while (const dirent* const entry = readdir(folder.get())) {
     const std::string name = static_cast<const char*>(entry->d_name);
     std::array<char, 256> target{};
-    const ssize_t length =
-        readlinkat(dirfd(folder.get()), name.c_str(), target.data(), target.size());
+    const ssize_t length = readlinkat(descriptor, name.c_str(), target.data(), target.size());
     if (length <= 0) continue;
     const std::string_view link{target.data(), static_cast<std::size_t>(length)};
     if (port.is_pty() && link.ends_with("ptmx") && is_master(port, process, name))
       return Holding::other_side;
     struct stat file{};
-    if (may_be_terminal(link) && fstatat(dirfd(folder.get()), name.c_str(), &file, 0) == 0 &&
-        port.is(file))
+    if (may_be_terminal(link) && fstatat(descriptor, name.c_str(), &file, 0) == 0 && port.is(file))
       holding = Holding::port;
   }
   return holding;

@@ -28,7 +28,7 @@ struct PortUsers {
 // pseudo-terminal, the program at its other side. None where there is no such port. One look at
 // each open file of this machine: some ms, up to some hundred; not for a real-time thread.
 // Allocates. `root` is another for tests.
-PortUsers find_port_users(const std::string& port, const std::filesystem::path& root = "/");
+PortUsers find_port_users(const std::string& path, const std::filesystem::path& root = "/");
 
 // "agetty (process 412)".
 std::string describe(const PortUser& user);

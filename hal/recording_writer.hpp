@@ -19,7 +19,7 @@ namespace cargobay::hal {
 class RecordingWriter {
  public:
   // Begins the file. `recorder` outlives the writer. Blocks as RecordingFile does.
-  static Result<std::unique_ptr<RecordingWriter>> create(OutputFile file,
+  static Result<std::unique_ptr<RecordingWriter>> create(OutputFile output,
                                                          const RecordingHeader& header,
                                                          const FlightRecorder& recorder);
   // Finishes.

@@ -392,8 +392,8 @@ int cargobay_get_state(struct cargobay_robot* robot, struct cargobay_state* stat
  * @return 0; CARGOBAY_E_TIMEOUT; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE before
  * cargobay_start(), after cargobay_stop() and in the control function; where the loop has ended by
  * itself what cargobay_stop() will say: CARGOBAY_E_ROBOT, CARGOBAY_E_PORT, CARGOBAY_E_MODE,
- * CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED, CARGOBAY_E_GUARD; STALLED also where the loop has not come
- * round for `guard_deadline_ms`, since its control function does not return. Where it ended by
+ * CARGOBAY_E_CONTROL, CARGOBAY_E_STALLED, CARGOBAY_E_GUARD; STALLED also where the loop has not
+ * come round for `guard_deadline_ms`, since its control function does not return. Where it ended by
  * cargobay_request_stop(): CARGOBAY_E_STATE. Any thread but the control thread; blocks. While
  * somebody waits the loop makes one more system call a frame.
  */
