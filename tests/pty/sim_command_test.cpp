@@ -177,7 +177,7 @@ TEST(SimCommand, BeginsWithTheFaultsItIsGiven) {
 }
 
 TEST(SimCommand, LetsAFaultHappenLater) {
-  Command command{{"sim", "--fault", "at 0.2 text too late", "--fault", "at 0.1 text hello"}};
+  Command command{{"sim", "--fault", "at 1.2 text too late", "--fault", "at 1.0 text hello"}};
   const std::string path = announced_path(command);
   ASSERT_FALSE(path.empty()) << command.err();
   const SerialClient client{path};
