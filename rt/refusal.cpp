@@ -121,7 +121,7 @@ std::string explain_dma_latency(const Rights& rights, int error, const std::stri
 }  // namespace
 
 std::string explain(const Refusal& refusal, const Rights& rights) {
-  const std::string why = " (" + std::generic_category().message(refusal.error) + ")";
+  std::string why = " (" + std::generic_category().message(refusal.error) + ")";
   switch (refusal.right) {
     case Refusal::Right::fifo:
       return "SCHED_FIFO refused" + why +

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "drive_fixture.hpp"
@@ -142,14 +143,14 @@ TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
   EXPECT_EQ(first.exit_code(), -SIGKILL);
   EXPECT_TRUE(eventually([&] { return fs::is_symlink(link) && !fs::exists(link); }));
   // Another program may get the terminal's number: that the link is a new one is what tells.
-  const auto inode = [&link] {
+  const auto made = [&link] {
     struct stat file{};
-    return lstat(link.c_str(), &file) == 0 ? file.st_ino : 0;
+    return lstat(link.c_str(), &file) == 0 ? std::pair{file.st_mtim.tv_sec, file.st_mtim.tv_nsec}
+                                           : std::pair<time_t, long>{};
   };
-  const ino_t left_behind = inode();
+  const auto left_behind = made();
   Command third{{"sim", "--link", link}};
-  EXPECT_TRUE(eventually([&] { return inode() != left_behind && fs::exists(link); }))
-      << third.err();
+  EXPECT_TRUE(eventually([&] { return made() != left_behind && fs::exists(link); })) << third.err();
   third.send(SIGTERM);
   EXPECT_EQ(third.exit_code(), 0);
 }
