@@ -99,7 +99,8 @@ void collect(int descriptor, std::string& text) {
 
 }  // namespace
 
-Command::Command(std::vector<std::string> arguments, const Setup& setup) {
+Command::Command(std::vector<std::string> arguments, const Setup& setup)
+    : unread_{setup.output == Setup::Output::unread} {
   arguments.insert(arguments.begin(), "cargobay");
   std::vector<char*> pointers;
   pointers.reserve(arguments.size() + 1);
@@ -107,7 +108,6 @@ Command::Command(std::vector<std::string> arguments, const Setup& setup) {
   pointers.push_back(nullptr);
   const int binary = open(CARGOBAY_BINARY_DIR "/cargobay", O_PATH | O_CLOEXEC);
   const Ends out = setup.output == Setup::Output::terminal ? make_terminal() : make_pipe();
-  unread_ = setup.output == Setup::Output::unread;
   if (unread_) {
     const int bytes = fcntl(out.ours, F_SETPIPE_SZ, 1);  // the kernel makes it a page
     const std::string full(static_cast<std::size_t>(std::max(bytes, 0)), '\n');

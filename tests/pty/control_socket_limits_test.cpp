@@ -217,6 +217,7 @@ TEST(ControlSocketLimits, IsOfOneAloneOfManyThatWantItAtOnce) {
     ASSERT_EQ(rename((path + ".kept").c_str(), path.c_str()), 0) << "left by who is gone";
     std::vector<std::unique_ptr<ControlSocket>> sockets(4);
     std::vector<std::thread> threads;
+    threads.reserve(sockets.size());
     for (auto& socket : sockets) {
       threads.emplace_back([&] {
         if (auto opened = ControlSocket::open(path, *desk.server)) socket = std::move(*opened);

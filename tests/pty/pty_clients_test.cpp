@@ -76,6 +76,7 @@ TEST(PtyClients, AreNotDisturbedByThoseWhoOpenAndClose) {
   std::atomic<bool> enough{false};
   std::atomic<int> opened{0};
   std::vector<std::thread> others;
+  others.reserve(4);
   for (int i = 0; i < 4; ++i) {
     others.emplace_back([&, i] {
       while (!enough.load()) {
@@ -106,6 +107,7 @@ TEST(PtyClients, OfManyThatOpenThePortAtOnceOneIsBroughtUp) {
     std::array<std::unique_ptr<ByteStream>, 4> streams{};
     std::atomic<int> waiting{0};
     std::vector<std::thread> threads;
+    threads.reserve(streams.size());
     for (auto& stream : streams) {
       threads.emplace_back([&] {
         ++waiting;
@@ -116,8 +118,8 @@ TEST(PtyClients, OfManyThatOpenThePortAtOnceOneIsBroughtUp) {
     }
     for (std::thread& thread : threads) thread.join();
     ASSERT_EQ(std::count(streams.begin(), streams.end(), nullptr), 3) << "round " << round;
-    const auto winner = std::find_if(streams.begin(), streams.end(),
-                                     [](const auto& stream) { return stream != nullptr; });
+    auto* const winner = std::find_if(streams.begin(), streams.end(),
+                                      [](const auto& stream) { return stream != nullptr; });
     BringUpRequest request;
     request.mode = oi::Mode::passive;
     ASSERT_TRUE(request.packets.push_back(oi::PacketId::oi_mode));
