@@ -1,6 +1,8 @@
 // Every command of the control socket with what nobody should say.
 #include <cmath>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,34 +18,34 @@ using namespace test;  // NOLINT(google-build-using-namespace): this file's own 
 
 // In place of a number, a name, or behind all that belongs there.
 const std::vector<std::string>& hostile_words() {
-  static const std::vector<std::string> words{"nan",
-                                              "-nan",
-                                              "inf",
-                                              "-inf",
-                                              "1e999",
-                                              "-1e999",
-                                              "1e-999",
-                                              "-1",
-                                              "-0.5",
-                                              "+1",
-                                              "0x10",
-                                              "1,5",
-                                              "1.5.5",
-                                              "18446744073709551616",
-                                              "99999999999999999999999999999999",
-                                              "2147483648",
-                                              "--1",
-                                              "ON",
-                                              "on;off",
-                                              "%n%s",
-                                              "../../etc/passwd",
-                                              "\x1b[2J",
-                                              "\xff\xfe",
-                                              std::string("\0", 1),
-                                              std::string("1\0", 2),
-                                              std::string(1000, '9'),
-                                              std::string(1000, 'x')};
-  return words;
+  static const std::vector<std::string> kWords{"nan",
+                                               "-nan",
+                                               "inf",
+                                               "-inf",
+                                               "1e999",
+                                               "-1e999",
+                                               "1e-999",
+                                               "-1",
+                                               "-0.5",
+                                               "+1",
+                                               "0x10",
+                                               "1,5",
+                                               "1.5.5",
+                                               "18446744073709551616",
+                                               "99999999999999999999999999999999",
+                                               "2147483648",
+                                               "--1",
+                                               "ON",
+                                               "on;off",
+                                               "%n%s",
+                                               "../../etc/passwd",
+                                               "\x1b[2J",
+                                               "\xff\xfe",
+                                               std::string("\0", 1),
+                                               std::string("1\0", 2),
+                                               std::string(1000, '9'),
+                                               std::string(1000, 'x')};
+  return kWords;
 }
 
 struct StandingRobot : Robot {
@@ -66,18 +68,28 @@ void expect_refusal(StandingRobot& robot, const std::string& line) {
   EXPECT_EQ(answer.find('\n'), std::string::npos);
 }
 
+// One line of them, with spaces between.
+std::string line_of(std::initializer_list<std::string_view> words) {
+  std::string line;
+  for (const std::string_view word : words) {
+    if (!line.empty()) line += ' ';
+    line += word;
+  }
+  return line;
+}
+
 TEST(HostileControl, IsRefusedInEachCommandByWhatItShouldBe) {
   StandingRobot robot;
   for (const ControlInfo& info : kControls) {
     const std::string name{info.name};
     if (name == "fault") continue;  // below
     for (const std::string& word : hostile_words()) {
-      expect_refusal(robot, name + " " + word);
-      expect_refusal(robot, name + " " + word + " " + word);
+      expect_refusal(robot, line_of({name, word}));
+      expect_refusal(robot, line_of({name, word, word}));
       // Three numbers are a place.
-      if (name != "place") expect_refusal(robot, name + " " + word + " " + word + " " + word);
+      if (name != "place") expect_refusal(robot, line_of({name, word, word, word}));
       expect_refusal(robot, name + word);
-      expect_refusal(robot, word + " " + name);
+      expect_refusal(robot, line_of({word, name}));
     }
   }
   EXPECT_TRUE(robot.stands());
@@ -89,10 +101,10 @@ TEST(HostileControl, IsRefusedInEachFault) {
     const std::string name{info.name};
     if (name == "text") continue;  // takes any words, which the robot prints
     for (const std::string& word : hostile_words()) {
-      expect_refusal(robot, "fault " + name + " " + word);
-      expect_refusal(robot, "fault " + name + " 1 " + word);
-      expect_refusal(robot, "fault " + name + " 1 both " + word);
-      expect_refusal(robot, "fault " + name + word);
+      expect_refusal(robot, line_of({"fault", name, word}));
+      expect_refusal(robot, line_of({"fault", name, "1", word}));
+      expect_refusal(robot, line_of({"fault", name, "1", "both", word}));
+      expect_refusal(robot, line_of({"fault", name + word}));
     }
   }
   for (const char* part : {"fault wrong-baud 57600.5", "fault garbled-frame 1.5",
