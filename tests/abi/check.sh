@@ -16,7 +16,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-dumped() { abidw --exported-interfaces-only --headers-dir hal/c --drop-private-types --no-show-locs --no-corpus-path --no-comp-dir-path "$library"; }
+dumped() { abidw --exported-interfaces-only --headers-dir hal/c --drop-private-types --no-show-locs --no-corpus-path --no-comp-dir-path "$library" | sed "s|path=./[^']*.|path='hal/c'|"; }
 if [[ ${3:-} == --dump ]]; then
   dumped > "$dump"
   echo "wrote $dump"
