@@ -208,6 +208,9 @@ class EmulatedPi:
         self.console = connect(sockets["console"])
         self.port = os.open(robot.port, os.O_RDWR | os.O_NOCTTY)
         tty.setraw(self.port)
+        self.sent, sending = os.pipe()  # what the Pi sends
+        self.pump = threading.Thread(target=self.run_pump, args=(sending,))
+        self.pump.start()
         self.stopping = False
         self.failure: Exception | None = None
         self.wires = threading.Thread(target=self.run_wires)
@@ -216,18 +219,25 @@ class EmulatedPi:
 
     # The wires.
 
+    def run_pump(self, sending: int) -> None:
+        """qemu writes byte by byte, and stands still, its monitor too, after some 270 that nobody
+        took: they are taken while the wires wait for the monitor."""
+        while taken := self.uart.recv(4096):
+            os.write(sending, taken)
+        os.close(sending)
+
     def run_wires(self) -> None:
         try:
             next_look = 0.0
             while not self.stopping:
                 patience = max(0.0, next_look - time.monotonic())
-                ready, _, _ = select.select([self.uart, self.port], [], [], patience)
+                ready, _, _ = select.select([self.sent, self.port], [], [], patience)
                 # What the Pi sends went out at the rate it has now, not at that of the last look.
-                if self.uart in ready or time.monotonic() >= next_look:
+                if self.sent in ready or time.monotonic() >= next_look:
                     self.look()
                     next_look = time.monotonic() + POLL_S
-                if self.uart in ready:
-                    os.write(self.port, self.uart.recv(4096))
+                if self.sent in ready:
+                    os.write(self.port, os.read(self.sent, 4096))
                 if self.port in ready:
                     self.uart.sendall(os.read(self.port, 4096))
         except Exception as error:  # told by whoever waits
@@ -300,6 +310,8 @@ class EmulatedPi:
         if self.process.poll() is None:
             self.monitor.execute("quit")
         self.process.wait()
+        self.pump.join()  # ended by qemu's end
         for link in (self.uart, self.console):
             link.close()
+        os.close(self.sent)
         os.close(self.port)
