@@ -16,9 +16,10 @@ namespace cargobay::hal {
 
 class PortLock {
  public:
-  // Opens `path`, without blocking, and locks it before anything of it is touched: by flock(),
-  // which stops root too, and by TIOCEXCL, which stops those who do not ask. A failure leaves the
-  // port as it was.
+  // Opens `path`, without waiting for the device, and locks it before anything of it is touched: by
+  // flock(), which stops root too, and by TIOCEXCL, which stops those who do not ask. If nobody but
+  // a guard has it, which is stopping the robot of a program that died, waits until that is done, 6
+  // s at most. A failure leaves the port as it was.
   static Result<std::unique_ptr<PortLock>> take(const std::string& path);
   // The port is set as it was found, and free again; nothing is done if the descriptor is no longer
   // the port's.
@@ -39,6 +40,7 @@ class PortLock {
   [[nodiscard]] int hand_over(int descriptor);
 
  private:
+  static Result<std::unique_ptr<PortLock>> take_now(const std::string& path);
   explicit PortLock(PortDescriptor descriptor) : descriptor_{std::move(descriptor)} {}
   int lock();  // returns an errno
 

@@ -3,10 +3,14 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <ctime>
 
 #include "hal/port_lock.hpp"
 #include "hal/port_users.hpp"
+#include "rt/clock.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -15,6 +19,12 @@ std::string who_uses(const std::string& path) {
   const PortUsers users = find_port_users(path);
   if (users.found.empty()) return "another process; see who it is with: sudo fuser -v " + path;
   return "another process, " + describe(users.found) + ": " + remedy(users.found.front());
+}
+
+// The farewell of a dead program's guard is under way, and the port is free right after it.
+bool only_guards_have(const std::string& path) {
+  const PortUsers users = find_port_users(path);
+  return !users.found.empty() && std::ranges::all_of(users.found, is_guard);
 }
 
 }  // namespace
@@ -47,6 +57,17 @@ Failure cannot_open(const std::string& path, int error) {
 }
 
 Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
+  constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 50'000'000};
+  const rt::TimePoint limit = rt::Clock::now() + std::chrono::seconds{6};
+  for (;;) {
+    auto lock = take_now(path);
+    const bool busy = !lock && lock.failure().code == std::errc::device_or_resource_busy;
+    if (!busy || rt::Clock::now() >= limit || !only_guards_have(path)) return lock;
+    nanosleep(&kPause, nullptr);
+  }
+}
+
+Result<std::unique_ptr<PortLock>> PortLock::take_now(const std::string& path) {
   const StandardNumbersTaken taken;
   const int descriptor = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return cannot_open(path, errno);

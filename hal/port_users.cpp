@@ -135,7 +135,7 @@ std::vector<pid_t> lockers(const Port& port, const fs::path& proc) {
 }
 
 // A guard is listed only where the program that it belongs to is not.
-bool is_guard(std::string_view name) { return name == "cargobay-guard"; }
+bool is_guard_name(std::string_view name) { return name == "cargobay-guard"; }
 
 enum class Kind : std::uint8_t {
   login_prompt,
@@ -161,7 +161,7 @@ Kind kind_of(std::string_view name) {
   if (is_one_of(kTerminals)) return Kind::terminal_program;
   if (name == "ModemManager") return Kind::modem_manager;
   if (name.starts_with("brltty")) return Kind::brltty;
-  if (is_guard(name)) return Kind::guard;
+  if (is_guard_name(name)) return Kind::guard;
   if (name.starts_with("cargobay")) return Kind::cargobay;
   return Kind::other;
 }
@@ -220,7 +220,7 @@ PortUsers find_port_users(const std::string& path, const fs::path& root) {
     }
     if (holding != Holding::port) continue;
     const PortUser user{.id = task->id, .name = task->name};
-    if (is_guard(task->name))
+    if (is_guard_name(task->name))
       guards.emplace_back(task->parent, user);
     else
       users.found.push_back(user);
@@ -232,6 +232,8 @@ PortUsers find_port_users(const std::string& path, const fs::path& root) {
   std::ranges::sort(users.found, {}, &PortUser::id);
   return users;
 }
+
+bool is_guard(const PortUser& user) { return is_guard_name(user.name); }
 
 std::string describe(const PortUser& user) {
   return user.name + " (process " + std::to_string(user.id) + ")";

@@ -30,6 +30,9 @@ struct PortUsers {
 // Allocates. `root` is another for tests.
 PortUsers find_port_users(const std::string& path, const std::filesystem::path& root = "/");
 
+// Whether it is a guard, by its name.
+bool is_guard(const PortUser& user);
+
 // "agetty (process 412)".
 std::string describe(const PortUser& user);
 std::string describe(const std::vector<PortUser>& users);  // with commas

@@ -74,6 +74,18 @@ TEST_F(GuardTest, LeavesThePortToTheNext) {
   }));
 }
 
+// Its guard is at work still, and the port is free right after that: no human needs to try again.
+TEST_F(GuardTest, IsWaitedForByWhoOpensThePortNext) {
+  for (int i = 0; i < 5; ++i) {
+    Command killed{drive({"--duration", "60"})};
+    ASSERT_TRUE(starts_to_move());
+    killed.send(SIGKILL);
+    const auto next = hal::open_pty(port_, 57600);
+    EXPECT_TRUE(next) << next.failure().message;
+    EXPECT_EQ(mode(), oi::Mode::passive) << "opened before the guard was done";
+  }
+}
+
 TEST_F(GuardTest, StopsTheRobotOfADriveThatIsSuspended) {
   Command command{drive({"--duration", "60"})};
   ASSERT_TRUE(starts_to_move());
