@@ -109,7 +109,7 @@ int MemoryLock::lock(const std::vector<Memory>& needed, const Rights& rights) {
   return error;
 }
 
-int MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::size_t limit) {
+int MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::uint64_t limit) {
   for (const Memory memory : needed) {
     const Pages pages = pages_around(memory);
     if (mlock(place(pages.first), pages.bytes()) != 0) return errno;

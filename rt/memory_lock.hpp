@@ -44,7 +44,7 @@ class MemoryLock {
   std::size_t bytes() const { return bytes_; }  // of `needed`: in whole pages
 
  private:
-  int lock_pieces(const std::vector<Memory>& needed, std::size_t limit);
+  int lock_pieces(const std::vector<Memory>& needed, std::uint64_t limit);
 
   Extent extent_ = Extent::none;
   std::size_t bytes_ = 0;

@@ -4,6 +4,7 @@
 #include <pthread.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -29,7 +30,7 @@ struct RealtimeGrant {
   int priority = 0;                  // 0 where fifo is false
   bool memory_locked = false;        // all of it, or the thread's stack and RealtimeRequest::memory
   std::size_t locked_bytes = 0;      // in the second case; else 0
-  std::size_t lock_limit_bytes = 0;  // of which so many are allowed; else 0
+  std::uint64_t lock_limit_bytes = 0;  // of which so many are allowed; else 0
   std::optional<int> cpu{};
   bool dma_latency_held = false;
   std::vector<Refusal> refusals{};
