@@ -27,9 +27,9 @@ struct RealtimeRequest {
 
 struct RealtimeGrant {
   bool fifo = false;
-  int priority = 0;                  // 0 where fifo is false
-  bool memory_locked = false;        // all of it, or the thread's stack and RealtimeRequest::memory
-  std::size_t locked_bytes = 0;      // in the second case; else 0
+  int priority = 0;              // 0 where fifo is false
+  bool memory_locked = false;    // all of it, or the thread's stack and RealtimeRequest::memory
+  std::size_t locked_bytes = 0;  // in the second case; else 0
   std::uint64_t lock_limit_bytes = 0;  // of which so many are allowed; else 0
   std::optional<int> cpu{};
   bool dma_latency_held = false;

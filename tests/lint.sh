@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Layout and names of the whole tree.
-# usage: tests/lint.sh [--format] [--tidy] [--proof] [--fix] [FILE...]
+# usage: tests/lint.sh [--format] [--tidy] [--alone] [--proof] [--fix] [FILE...]
 #   --format  clang-format, file names, shell syntax
 #   --tidy    clang-tidy over every source and every header (or over FILE...)
+#   --alone   the same, each source by itself: it sees a missing #include too, and takes half an hour
 #   --proof   shows with planted violations that both fire
 #   --fix     lets clang-format rewrite the files
 # With none of these: format, tidy and proof.
@@ -31,6 +32,11 @@ check_format() {
   # One line a place; the quoted source lines are left out.
   sources | xargs --no-run-if-empty "$clang_format" --dry-run -Werror 2>&1 |
     { grep -E '^[^ ].*(error|warning):' || true; } || failed=1
+  # clang-tidy sees this only where each source is by itself.
+  if sources | xargs --no-run-if-empty grep -nE '^ *# *include +["<][^">]+\.(c|cpp|cxx)[">]'; then
+    echo "a source is not included"
+    failed=1
+  fi
   # Files are lower_case; macros live in hal/c/cargobay.h.
   while read -r file; do
     echo "$file: a file is named in lower_case"
@@ -43,28 +49,58 @@ check_format() {
   return "$failed"
 }
 
-# tidy_one FILE: quiet when there is nothing to say.
+# tidy_one BUILD FILE: quiet when there is nothing to say.
 tidy_one() {
-  local output
-  output=$("$clang_tidy" -p build/tidy --quiet "$1" 2>&1) && return
+  local output checks=''
+  # What holds sources together includes them, and so takes them for headers.
+  [[ $2 != */Unity/* ]] || checks=-bugprone-suspicious-include,-google-global-names-in-headers
+  output=$("$clang_tidy" -p "$1" --quiet --checks="$checks" "$2" 2>&1) && return
   printf '%s\n' "$output" | grep -vE '^[0-9]+ warnings? (generated|treated as errors?)|^Suppressed ' || true
   return 1
 }
 
+# compiled BUILD: the C++ files that it compiles. Not the stand-ins for empty layers, nor C, whose
+# names are C's.
+compiled() {
+  sed -nE 's/^ *"file": "(.*\.(cpp|cxx))",?$/\1/p' "$1/compile_commands.json" |
+    grep -vE '/(empty|pch)\.cpp$' | sort -u
+}
+
+# sources_in FILE...: they, or what they hold together.
+sources_in() {
+  local file
+  for file in "$@"; do
+    case $file in
+      */Unity/*) sed -nE 's/^#include "(.*)"$/\1/p' "$file" ;;
+      *) echo "$file" ;;
+    esac
+  done | sort -u
+}
+
+# configure BUILD CMAKE-ARGUMENT...: for clang-tidy.
+configure() {
+  cmake --preset tidy -B "$@" > "$1.log" 2>&1 || { cat "$1.log"; return 1; }
+}
+
 check_tidy() {
   need "$clang_tidy"
-  cmake --preset tidy > build/tidy.log 2>&1 || { cat build/tidy.log; return 1; }
-  local files
+  local build=build/tidy files missing
+  if ((do_alone)) || (($#)); then
+    configure "$build" || return
+  else
+    # Many sources at a time: most of the time goes into what they all include.
+    build=build/tidy-unity
+    configure "$build" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 || return
+    cp tests/.clang-tidy "$build/tests/"
+  fi
   if (($#)); then
     files=$(printf "$PWD/%s\n" "$@")
   else
-    # Everything the build compiles, but not the stand-ins for empty layers, nor C, whose names are
-    # C's. What is wrong on purpose (tests/sanitizers) or for the other libgpiod is not in it.
-    files=$(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/tidy/compile_commands.json |
-      grep -E '\.cpp$' | grep -vE '/(empty|pch)\.cpp$' | sort -u)
-    local missing
-    missing=$(comm -23 <(sources | grep -E '\.cpp$' | sed "s|^|$PWD/|" | grep -vE '_v[12]\.cpp$|/tests/sanitizers/' | sort) \
-      <(sort <<< "$files"))
+    files=$(compiled "$build")
+    # What is wrong on purpose (tests/sanitizers) or for the other libgpiod is not in it.
+    missing=$(comm -23 \
+      <(sources | grep -E '\.cpp$' | sed "s|^|$PWD/|" | grep -vE '_v[12]\.cpp$|/tests/sanitizers/' | sort) \
+      <(sources_in $files))
     if [[ -n $missing ]]; then
       echo "compiled by no target, so seen by no check:"
       echo "$missing"
@@ -73,18 +109,21 @@ check_tidy() {
   fi
   export clang_tidy
   export -f tidy_one
-  xargs -P "$jobs" -n 1 bash -c 'tidy_one "$1"' _ <<< "$files"
+  # The long ones first, so that no processor waits for the other.
+  { grep -F /Unity/ <<< "$files" || true; grep -vF /Unity/ <<< "$files" || true; } |
+    xargs -P "$jobs" -n 1 bash -c 'tidy_one "$@"' _ "$build"
 }
 
 mkdir -p build
-do_format=0 do_tidy=0 do_proof=0 do_fix=0 files=()
+do_format=0 do_tidy=0 do_alone=0 do_proof=0 do_fix=0 files=()
 for argument in "$@"; do
   case $argument in
     --format) do_format=1 ;;
     --tidy) do_tidy=1 ;;
+    --alone) do_tidy=1 do_alone=1 ;;
     --proof) do_proof=1 ;;
     --fix) do_fix=1 ;;
-    -*) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2 ;;
+    -*) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2 ;;
     *) do_tidy=1 files+=("$argument") ;;
   esac
 done

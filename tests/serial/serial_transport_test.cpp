@@ -42,6 +42,10 @@ struct ModemLines {
 // The linker's names for them (ld --wrap).
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
 extern "C" {
+char* __wrap___realpath_chk(const char* path, char* resolved, std::size_t size);
+int __wrap_ioctl(int descriptor, unsigned long request, ...);
+int __real_ioctl(int descriptor, unsigned long request, void* argument);
+
 // libserialport 0.1.2 resolves names, as Debian compiles it by this; our name is to stay what it
 // is.
 char* __wrap___realpath_chk(const char* path, char* resolved, std::size_t size) {
@@ -50,8 +54,6 @@ char* __wrap___realpath_chk(const char* path, char* resolved, std::size_t size) 
   resolved[name.copy(resolved, size - 1)] = '\0';
   return resolved;
 }
-
-int __real_ioctl(int descriptor, unsigned long request, void* argument);
 
 int __wrap_ioctl(int descriptor, unsigned long request, ...) {
   va_list arguments;
