@@ -14,7 +14,7 @@ std::string listed(const std::vector<std::string>& names) {
 // Who may open the device file decides what helps.
 std::string permission_remedy(const std::string& group) {
   if (!group.empty() && group != "root") {
-    return "join the group " + group + " (sudo adduser $USER " + group + ") and log in anew";
+    return "join the group " + group + " (sudo adduser $USER " + group + ") and log in again";
   }
   return "let a group have it with the udev rule SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", "
          "GROUP=\"dialout\", MODE=\"0660\" in /etc/udev/rules.d/60-gpio.rules, then: sudo udevadm "

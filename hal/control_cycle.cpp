@@ -303,7 +303,7 @@ bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCK
 
 // The deadline passed without a frame. What was last commanded goes on acting; nothing is sent, so
 // that no tick sees two commands when the frame comes after all. Only a longer silence is answered,
-// once, by a stop: from there the wheels start anew.
+// once, by a stop: from there the wheels start again.
 ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   ++frames_.late;
   deadline_ += tick_;

@@ -258,7 +258,7 @@ Finding reachable(const std::string& port) {
     return {"port", Verdict::bad, "there is no " + port,
             "plug the cable in, or list what there is with: cargobay ports"};
   return {"port", Verdict::bad, "no permission to open " + port,
-          "sudo adduser $USER dialout, and log in anew"};
+          "sudo adduser $USER dialout, and log in again"};
 }
 
 std::optional<Finding> mini_uart(const fs::path& root, const std::string& tty) {
@@ -275,7 +275,7 @@ std::optional<Finding> console(const fs::path& root, const std::string& tty) {
   for (std::string line; std::getline(lines, line);) {
     if (line.substr(0, line.find(' ')) != tty) continue;
     return Finding{"console", Verdict::bad, "the kernel prints to " + tty,
-                   "remove console=" + tty + " (or serial0) from cmdline.txt, and boot anew"};
+                   "remove console=" + tty + " (or serial0) from cmdline.txt, and boot again"};
   }
   return std::nullopt;
 }

@@ -1,4 +1,4 @@
-// By what a port is known again after it was gone: a USB adapter that is plugged in anew may come
+// By what a port is known again after it was gone: a USB adapter that is plugged in again may come
 // back as another ttyUSBn, and another adapter under its old name.
 #pragma once
 

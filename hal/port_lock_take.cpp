@@ -49,7 +49,7 @@ Failure cannot_open(const std::string& path, int error) {
     case EPERM:
       return {what +
                   "permission denied; join the group that owns it (sudo adduser $USER dialout) and "
-                  "log in anew",
+                  "log in again",
               code};
     case EBUSY: return {what + "in use by " + who_uses(path), code};
     default: return {what + code.message(), code};

@@ -26,7 +26,7 @@ class TickClock {
 
   explicit TickClock(Duration tick) : tick_{tick} {}
 
-  // The first frame, or the first after silence: counting starts anew from here.
+  // The first frame, or the first after silence: counting starts again from here.
   void start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
   bool started() const noexcept CARGOBAY_NONBLOCKING { return started_; }
 

@@ -44,7 +44,7 @@ class WheelLoop {
   // It may act a tick later than one that is sent in time.
   void sent_late() noexcept CARGOBAY_NONBLOCKING { estimator_.doubt_command(); }
 
-  // The wheels were told to stop, past the acceleration limit: they start anew from standing.
+  // The wheels were told to stop, past the acceleration limit: they start again from standing.
   void stop() noexcept CARGOBAY_NONBLOCKING;
 
   WheelSpeeds estimate() const noexcept CARGOBAY_NONBLOCKING { return estimator_.speeds(); }

@@ -3,7 +3,7 @@
 # usage: tests/lint.sh [--format] [--tidy] [--alone] [--proof] [--fix] [FILE...]
 #   --format  clang-format, file names, shell syntax
 #   --tidy    clang-tidy over every source and every header (or over FILE...)
-#   --alone   the same, each source by itself: it sees a missing #include too, and takes half an hour
+#   --alone   the same with each source by itself: finds a missing #include too; takes half an hour
 #   --proof   shows with planted violations that both fire
 #   --fix     lets clang-format rewrite the files
 # With none of these: format, tidy and proof.
@@ -32,9 +32,9 @@ check_format() {
   # One line a place; the quoted source lines are left out.
   sources | xargs --no-run-if-empty "$clang_format" --dry-run -Werror 2>&1 |
     { grep -E '^[^ ].*(error|warning):' || true; } || failed=1
-  # clang-tidy sees this only where each source is by itself.
+  # clang-tidy sees this only with --alone.
   if sources | xargs --no-run-if-empty grep -nE '^ *# *include +["<][^">]+\.(c|cpp|cxx)[">]'; then
-    echo "a source is not included"
+    echo "a source file is never included"
     failed=1
   fi
   # Files are lower_case; macros live in hal/c/cargobay.h.
@@ -52,21 +52,21 @@ check_format() {
 # tidy_one BUILD FILE: quiet when there is nothing to say.
 tidy_one() {
   local output checks=''
-  # What holds sources together includes them, and so takes them for headers.
+  # A unity source includes the others, so that they look like headers.
   [[ $2 != */Unity/* ]] || checks=-bugprone-suspicious-include,-google-global-names-in-headers
   output=$("$clang_tidy" -p "$1" --quiet --checks="$checks" "$2" 2>&1) && return
   printf '%s\n' "$output" | grep -vE '^[0-9]+ warnings? (generated|treated as errors?)|^Suppressed ' || true
   return 1
 }
 
-# compiled BUILD: the C++ files that it compiles. Not the stand-ins for empty layers, nor C, whose
-# names are C's.
+# compiled BUILD: the C++ files that it compiles, without the placeholders of empty layers. C is left
+# out: its names are C's.
 compiled() {
   sed -nE 's/^ *"file": "(.*\.(cpp|cxx))",?$/\1/p' "$1/compile_commands.json" |
     grep -vE '/(empty|pch)\.cpp$' | sort -u
 }
 
-# sources_in FILE...: they, or what they hold together.
+# sources_in FILE...: the files themselves; of a unity source, what it includes.
 sources_in() {
   local file
   for file in "$@"; do
@@ -88,7 +88,7 @@ check_tidy() {
   if ((do_alone)) || (($#)); then
     configure "$build" || return
   else
-    # Many sources at a time: most of the time goes into what they all include.
+    # Many sources at a time: most of the time is spent on what they all include.
     build=build/tidy-unity
     configure "$build" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 || return
     cp tests/.clang-tidy "$build/tests/"
@@ -109,7 +109,7 @@ check_tidy() {
   fi
   export clang_tidy
   export -f tidy_one
-  # The long ones first, so that no processor waits for the other.
+  # The long ones first, so that no processor is idle at the end.
   { grep -F /Unity/ <<< "$files" || true; grep -vF /Unity/ <<< "$files" || true; } |
     xargs -P "$jobs" -n 1 bash -c 'tidy_one "$@"' _ "$build"
 }

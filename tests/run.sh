@@ -58,8 +58,8 @@ stage() {
   count "$name" "$status" $((SECONDS - begin))
 }
 
-# behind NAME COMMAND...: now, and what became of it is for await.
-behind() {
+# background NAME COMMAND...: runs it, and leaves the result for await.
+background() {
   local name=$1 begin=$SECONDS status=0
   shift
   "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
@@ -67,11 +67,11 @@ behind() {
   mv "$logs/$name.status.new" "$logs/$name.status"
 }
 
-# await NAME: until it was done behind the tests.
+# await NAME: waits until the background has done it, and counts it.
 await() {
   local status seconds
   until [[ -e $logs/$1.status ]]; do
-    kill -0 "$behind" 2> /dev/null || echo "1 0" > "$logs/$1.status"  # it ended without a word
+    kill -0 "$worker" 2> /dev/null || echo "1 0" > "$logs/$1.status"  # the background died
     sleep 0.5
   done
   read -r status seconds < "$logs/$1.status"
@@ -146,26 +146,31 @@ fi
 
 native=$(dpkg --print-architecture)
 
-# What needs no clock, one after the other.
+# All that watches no clock, in the order in which the tests need it.
 build_and_check() {
-  local preset
-  for preset in dev asan tsan rtsan fuzz; do behind "$preset-build" build "$preset"; done
-  behind "package-$native" .ci/package.sh "$native"
-  behind package-arm64 .ci/package.sh arm64
-  behind armhf-build build armhf
-  behind lint tests/lint.sh
-  behind c-api docs/c-api.sh --check
+  local suite preset
+  background dev-build build dev
+  for suite in bookworm trixie; do
+    background "pi-$suite-build" tests/pi/bring_up_test.py "$suite" build/dev/cargobay build/pi --build
+  done
+  for preset in asan tsan rtsan fuzz; do background "$preset-build" build "$preset"; done
+  background "package-$native" .ci/package.sh "$native"
+  background package-arm64 .ci/package.sh arm64
+  background armhf-build build armhf
+  background lint tests/lint.sh
+  background c-api docs/c-api.sh --check
 }
 
 stage install .ci/packages.sh test || { finish; exit 1; }
-# The tests wait for a robot most of their time. Behind them everything is built, by what they leave
-# of the processors and not a moment more (SCHED_IDLE); in a group of its own, to be ended with it.
+# The tests spend most of their time waiting for a robot. Meanwhile everything is built in the
+# background, by SCHED_IDLE: with the processor time that the tests leave. It is a process group of
+# its own, so that it can be ended as a whole.
 rm -f "$logs"/*.status
 set -m
 (chrt --idle --pid 0 $BASHPID; build_and_check) &
-behind=$!
+worker=$!
 set +m
-trap 'kill -- -"$behind" 2> /dev/null || true' EXIT
+trap 'kill -- -"$worker" 2> /dev/null || true' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
@@ -181,5 +186,5 @@ stage package-use ${as_root[@]+"${as_root[@]}"} tests/install/package_test.sh bu
 await package-arm64 || true
 stage package-pi tests/pi/package_test.py "$(. /etc/os-release && echo "$VERSION_CODENAME")" build/pi \
   build/packages || true
-for name in armhf-build lint c-api; do await "$name" || true; done
+for name in pi-{bookworm,trixie}-build armhf-build lint c-api; do await "$name" || true; done
 finish

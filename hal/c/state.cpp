@@ -222,7 +222,7 @@ int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_
                         std::abs(heading_rad) <= kMostRad;
   if (!sensible) {
     return bad_argument(
-        "the pose is no number or out of its range: `x_mm` and `y_mm` are -1e9 to 1e9, "
+        "the pose is not a number, or out of range: `x_mm` and `y_mm` are -1e9 to 1e9, "
         "`heading_rad` is -1e6 to 1e6");
   }
   return guarded([&] {

@@ -22,7 +22,7 @@ Cable::Cable(Device& device)
 
 void Cable::set_host_baud(std::uint32_t baud) {
   if (baud == host_baud_) return;
-  device_->output().listen_anew(now());
+  device_->output().listen_again(now());
   to_robot_.cut_off(now() + kLongestDrain);
   host_baud_ = baud;
 }

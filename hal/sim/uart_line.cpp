@@ -41,7 +41,7 @@ std::optional<UartLine::Arrival> UartLine::pop(rt::Duration now, std::uint32_t b
   return next->arrival;
 }
 
-void UartLine::listen_anew(rt::Duration now) {
+void UartLine::listen_again(rt::Duration now) {
   listen_from_ = std::max(listen_from_, now);
   forget_past();
 }

@@ -48,7 +48,7 @@ class UartLine {
   std::optional<Arrival> pop(rt::Duration now, std::uint32_t baud);
   // The receiver has changed its rate: what went by before is gone, a byte half over is heard from
   // its middle.
-  void listen_anew(rt::Duration now);
+  void listen_again(rt::Duration now);
   // The sender forgets the bytes that would not have left by `time`.
   void cut_off(rt::Duration time);
   // Forgets what is on its way.

@@ -5,7 +5,7 @@
 # usage: tests/abi/check.sh LIBRARY COMMAND [--dump]
 #   LIBRARY  libcargobay.so, with debug information
 #   COMMAND  the command cargobay, which the programs replay their recordings with
-#   --dump   writes tests/abi/libcargobay.so.0.abi anew: when a version is released, not before
+#   --dump   rewrites tests/abi/libcargobay.so.0.abi: only when a version is released
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 

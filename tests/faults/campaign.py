@@ -5,9 +5,9 @@ usage: campaign.py BUILD [--runs N] [--seed SEED] [--lanes N] [--table FILE] [--
 
 A run is a virtual Create, a program that drives it for half a second, and one fault, drawn by the
 seed and the number of the run. One that failed is named by five words: --again 'c drive write 31
-EIO' repeats it, as often as --runs says. Fails if a robot does not stand,
-a program claims a success that was none, a port is not free or not as it was found, or a byte that
-is no command reaches the robot.
+EIO' repeats it, as often as --runs says. Fails if a robot does not stand, a program claims a
+success that was none, a port is not free or not as it was found, or anything but a whole command
+reaches the robot.
 """
 
 import argparse

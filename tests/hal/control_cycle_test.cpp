@@ -366,7 +366,7 @@ TEST_F(Setpoints, StayLapsedUntilANewOneIsSet) {
       EXPECT_EQ(device_.commanded(), rt::WheelSpeeds{}) << frame;
     }
     if (frame == 520) {
-      EXPECT_GT(device_.commanded().left_mm_s, 150.0) << "the same speeds, set anew";
+      EXPECT_GT(device_.commanded().left_mm_s, 150.0) << "the same speeds, set again";
     }
   });
   Event event;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::string_view kIntroductionText =
     R"(<!-- Made by tests/oi/protocol_page.cpp from the tables of oi/. Do not edit: a test compares.
-     CARGOBAY_WRITE_DOCS=1 test_oi --gtest_filter='ProtocolPage.*' writes it anew. -->
+     CARGOBAY_WRITE_DOCS=1 test_oi --gtest_filter='ProtocolPage.*' rewrites it. -->
 
 # The Open Interface, as Cargobay speaks it
 

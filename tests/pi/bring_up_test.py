@@ -2,12 +2,14 @@
 """The 19200-baud bring-up and the closed loop on an emulated Raspberry Pi; what the virtual Create
 outside saw of it is the witness.
 
-usage: bring_up_test.py bookworm|trixie COMMAND FOLDER
+usage: bring_up_test.py bookworm|trixie COMMAND FOLDER [--build]
   COMMAND  the native cargobay, which serves the virtual Create
   FOLDER   for what is downloaded and built; kept for the next time
+  --build  downloads and builds it, and ends
 Exit 77, and says why, where something that it needs is missing.
 """
 
+import fcntl
 import json
 import re
 import sys
@@ -196,18 +198,31 @@ def says_what_is_wrong(pi: EmulatedPi, _robot: VirtualCreate) -> None:
         check(code == 1 and single and says in complaint, f"{name}: {complaint}", f"exit code {code}")
 
 
+def prepare(name: str, folder: Path) -> tuple[Path, Path, Path, Path]:
+    """Downloads and builds what is not there yet, one process at a time: kernel, device tree, the
+    user space of that Debian, and the folder with what was built for it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        cache, here = folder / "packages", folder / name
+        here.mkdir(exist_ok=True)
+        kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
+        targets = ["cargobay", "cargobay_guard", *TESTS]
+        return kernel, tree, *cross_build.cross_build(Suite(name, cache), name, here, targets)
+
+
 def main() -> int:
-    if len(sys.argv) != 4 or sys.argv[1] not in cross_build.COMPILER_PACKAGES:
+    build_only = sys.argv[4:] == ["--build"]
+    if len(sys.argv) != 4 + build_only or sys.argv[1] not in cross_build.COMPILER_PACKAGES:
         print(__doc__, file=sys.stderr)
         return 2
     if lacks(TOOLS):
         return 77
     name, command, folder = sys.argv[1], Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
-    cache, here = folder / "packages", folder / name
-    here.mkdir(parents=True, exist_ok=True)
-    suite = Suite(name, cache)
-    kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
-    root, built = cross_build.cross_build(suite, name, here, ["cargobay", "cargobay_guard", *TESTS])
+    here = folder / name
+    kernel, tree, root, built = prepare(name, folder)
+    if build_only:
+        return 0
     programs = [built / "cargobay", built / "cargobay-guard", *(built / "tests" / test for test in TESTS)]
     initramfs = make_initramfs(here / "initramfs", root, programs)
     robot = VirtualCreate(command, here)
