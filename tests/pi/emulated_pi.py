@@ -40,7 +40,8 @@ exec < /dev/ttyS1 > /dev/ttyS1 2>&1
 stty -echo -onlcr
 dmesg -n 1
 echo; echo '@@booted'
-exec env PS1= PS2= CARGOBAY_GUARD=/bin/cargobay-guard setsid -c sh
+if [ -x /bin/cargobay-guard ]; then export CARGOBAY_GUARD=/bin/cargobay-guard; fi
+exec env PS1= PS2= setsid -c sh
 """
 
 
