@@ -2,6 +2,7 @@
 // test_conformance --pty                  asks it over a pseudo-terminal, in real time
 // test_conformance --port PATH [--baud N] asks whatever is there: stand clear of a real robot, its
 //                                         wheels turn, slowly and for moments
+// --rows                                  says which statements of the manual were judged, and how
 #include <charconv>
 #include <cstdio>
 #include <cstring>
@@ -11,6 +12,7 @@
 
 #include "hal/pty_transport.hpp"
 #include "hal/sim/server.hpp"
+#include "tests/conformance/rows.hpp"
 #include "tests/conformance/subject.hpp"
 
 namespace {
@@ -33,6 +35,7 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   std::unique_ptr<hal::sim::Server> server;
   std::string path;
+  bool each_row = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view option = argv[i];
     const std::string_view value = i + 1 < argc ? argv[i + 1] : "";
@@ -48,13 +51,19 @@ int main(int argc, char** argv) {
                std::from_chars(value.data(), value.data() + value.size(), conformance::boot_baud)
                        .ec == std::errc{}) {
       ++i;
+    } else if (option == "--rows") {
+      each_row = true;
     } else {
-      std::fprintf(stderr, "usage: %s [--pty | --port PATH] [--baud N]\n", argv[0]);
+      std::fprintf(stderr, "usage: %s [--pty | --port PATH] [--baud N] [--rows]\n", argv[0]);
       return 2;
     }
   }
   if (!path.empty() && !open_port(path)) return 1;
   const int result = RUN_ALL_TESTS();
   conformance::port.reset();
+  if (each_row || !path.empty()) {
+    conformance::print_rows(
+        conformance::read_rows(CARGOBAY_SOURCE_DIR "/tests/conformance/statements.toml"), each_row);
+  }
   return result;
 }
