@@ -275,12 +275,12 @@ TEST(ManualTables, StatesAndModes) {  // OI p. 19, 20
   constexpr std::array<std::string_view, 6> kStates{"not charging",  "reconditioning charging",
                                                     "full charging", "trickle charging",
                                                     "waiting",       "charging fault"};
-  for (std::uint8_t code = 0; code < kStates.size(); ++code) {
-    EXPECT_EQ(name(ChargingState{code}), kStates.at(code));
+  for (std::size_t code = 0; code < kStates.size(); ++code) {
+    EXPECT_EQ(name(static_cast<ChargingState>(code)), kStates.at(code));
   }
   constexpr std::array<std::string_view, 4> kModes{"off", "passive", "safe", "full"};
-  for (std::uint8_t mode = 0; mode < kModes.size(); ++mode) {
-    EXPECT_EQ(name(Mode{mode}), kModes.at(mode));
+  for (std::size_t mode = 0; mode < kModes.size(); ++mode) {
+    EXPECT_EQ(name(static_cast<Mode>(mode)), kModes.at(mode));
   }
 }
 

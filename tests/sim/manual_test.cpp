@@ -182,7 +182,7 @@ TEST(DemosOfTheManual, MouseFollowsTheWallsAroundARoom) {  // OI p. 8
     robot.wait(100ms);
     const Pose pose = robot.device.truth().pose;
     const std::array<double, 4> away{pose.y_mm, 2000.0 - pose.x_mm, 2000.0 - pose.y_mm, pose.x_mm};
-    const auto nearest = std::min_element(away.begin(), away.end());
+    const auto* const nearest = std::min_element(away.begin(), away.end());
     found = found || robot.device.seen().bump_left || robot.device.seen().bump_right;
     if (!found) continue;
     EXPECT_LT(*nearest, 600.0) << "it keeps to the walls, and off the middle at 1000";
