@@ -68,10 +68,11 @@ class Estimation {
     const auto read = [](const Reading& reading) { return reading.has_value(); };
     if (std::ranges::any_of(readings, read)) since_read_ = 0;
     const std::int64_t lost = state.tick - tick_ - static_cast<std::int64_t>(readings.size());
-    constexpr std::int64_t kMostSteps = 100;  // as rt::WheelLoop
+    constexpr std::int64_t kMostSteps = 100;  // as rt::WheelLoop; a damaged file may say anything
     for (std::int64_t i = 0; started_ && i < std::min(lost, kMostSteps); ++i)
       estimator_.step_lost(command_, since_read_ <= rt::TickClock::kPatience + 1);
-    if (started_ && lost < 0) estimator_.came_after_all(static_cast<int>(-lost));
+    if (started_ && lost < 0)
+      estimator_.came_after_all(static_cast<int>(std::min(-lost, kMostSteps)));
     for (const Reading& reading : readings) estimator_.step(command_, reading);
     started_ = true;
     ++since_read_;

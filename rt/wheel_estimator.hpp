@@ -10,9 +10,7 @@
 // Steps by the robot's tick, never by arrival time. One thread; no allocation.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 #include "rt/axis_filter.hpp"
@@ -68,9 +66,7 @@ class WheelEstimator {
   // So many frames that were taken for lost are here, and next: their ticks have been gone through.
   // What they read is of the past and will be missing in the reading behind them, so neither says
   // anything.
-  void came_after_all(int frames) noexcept CARGOBAY_NONBLOCKING {
-    gone_through_ += std::min(frames, std::numeric_limits<int>::max() - gone_through_);
-  }
+  void came_after_all(int frames) noexcept CARGOBAY_NONBLOCKING { gone_through_ += frames; }
 
   WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING;
   // The way since the last call, or since reset().
