@@ -19,7 +19,8 @@ class PortLock {
   // Opens `path`, without waiting for the device, and locks it before anything of it is touched: by
   // flock(), which stops root too, and by TIOCEXCL, which stops those who do not ask. If nobody but
   // a guard has it, which is stopping the robot of a program that died, waits until that is done, 6
-  // s at most. A failure leaves the port as it was.
+  // s at most; if nobody can be seen to have it, which may have let it go meanwhile, asks again for
+  // 0.2 s. A failure leaves the port as it was.
   static Result<std::unique_ptr<PortLock>> take(const std::string& path);
   // The port is set as it was found, and free again; nothing is done if the descriptor is no longer
   // the port's.

@@ -21,12 +21,6 @@ std::string who_uses(const std::string& path) {
   return "another process, " + describe(users.found) + ": " + remedy(users.found.front());
 }
 
-// The farewell of a dead program's guard is under way, and the port is free right after it.
-bool only_guards_have(const std::string& path) {
-  const PortUsers users = find_port_users(path);
-  return !users.found.empty() && std::ranges::all_of(users.found, is_guard);
-}
-
 }  // namespace
 
 Failure cannot_open(const std::string& path, int error) {
@@ -56,13 +50,19 @@ Failure cannot_open(const std::string& path, int error) {
   }
 }
 
+// A port that only guards have is free as soon as they have said farewell. One that nobody has was
+// let go meanwhile, unless its user is out of sight: in another container, say.
 Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
   constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 50'000'000};
+  constexpr int kMostUnseen = 4;
   const rt::TimePoint limit = rt::Clock::now() + std::chrono::seconds{6};
-  for (;;) {
+  for (int unseen = 0;;) {
     auto lock = take_now(path);
     const bool busy = !lock && lock.failure().code == std::errc::device_or_resource_busy;
-    if (!busy || rt::Clock::now() >= limit || !only_guards_have(path)) return lock;
+    if (!busy || rt::Clock::now() >= limit) return lock;
+    const PortUsers users = find_port_users(path);
+    if (users.found.empty() && ++unseen > kMostUnseen) return lock;
+    if (!std::ranges::all_of(users.found, is_guard)) return lock;
     nanosleep(&kPause, nullptr);
   }
 }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -177,6 +178,19 @@ TEST_F(Pty, IsForOneAlone) {
   stream->reset();
   EXPECT_FALSE(is_exclusive());
   EXPECT_TRUE(open_pty(path_, 57600));
+}
+
+// This process is never among the users that are found: the port is let go by somebody unseen.
+TEST_F(Pty, IsAskedForAgainWhereNobodyIsSeenToHaveIt) {
+  auto first = open_pty(path_, 57600);
+  ASSERT_TRUE(first);
+  std::thread lets_go{[&first] {
+    std::this_thread::sleep_for(70ms);  // the first look is over
+    first->reset();
+  }};
+  const auto second = open_pty(path_, 57600);
+  lets_go.join();
+  EXPECT_TRUE(second) << second.failure().message;
 }
 
 // Somebody's own terminal, named by mistake.
