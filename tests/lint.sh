@@ -37,6 +37,14 @@ check_format() {
     echo "a source file is never included"
     failed=1
   fi
+  # So is this: a namespace alias that nothing uses.
+  while IFS=: read -r file _ alias; do
+    (($(grep -cE "\\b$alias::" "$file") > 0)) || {
+      echo "$file: the namespace alias $alias is unused"
+      failed=1
+    }
+  done < <(sources | xargs --no-run-if-empty grep -nE '^ *namespace \w+ =' |
+    sed -E 's/(:[0-9]+:) *namespace (\w+) =.*/\1\2/')
   # Files are lower_case; macros live in hal/c/cargobay.h.
   while read -r file; do
     echo "$file: a file is named in lower_case"

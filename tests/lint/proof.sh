@@ -65,6 +65,8 @@ int parameter_value() {
   return bad_value_parameter;
 }
 
+namespace unused_alias = BadNamespace;
+
 void* null_pointer();
 
 void* null_pointer() { return 0; }
@@ -109,7 +111,7 @@ struct Buffer {
 }  // namespace cargobay::oi
 CODE
 
-tidy() { "$clang_tidy" --quiet "$1" -- -std=c++20 -I"$scratch" 2>&1; }
+tidy() { "$clang_tidy" --quiet "$@" -- -std=c++20 -I"$scratch" 2>&1; }
 
 # 1. The planted names are reported, each by its kind; in a header too.
 if report=$(tidy "$scratch/oi/planted.cpp"); then fail "clang-tidy accepts the planted file"; fi
@@ -133,6 +135,19 @@ expect "invalid case style for template parameter 'bad_template_parameter'"
 expect "invalid case style for value template parameter 'bad_value_parameter'"
 expect "[modernize-use-nullptr,-warnings-as-errors]"
 expect "[readability-identifier-naming,-warnings-as-errors]"
+
+# Through a unity source too, as most are checked (tests/lint.sh, tidy_one).
+mkdir -p "$scratch/build/Unity"
+printf '#include "%s"\n' "$scratch/oi/planted.cpp" > "$scratch/build/Unity/unity_0.cxx"
+if report=$(tidy "$scratch/build/Unity/unity_0.cxx" \
+  --checks=-bugprone-suspicious-include,-google-global-names-in-headers); then
+  fail "clang-tidy accepts the planted file in a unity source"
+fi
+expect "planted.cpp:"
+expect "planted.hpp:"
+expect "invalid case style for function 'MisnamedFunction'"
+expect "[modernize-use-nullptr,-warnings-as-errors]"
+expect "[misc-use-internal-linkage,-warnings-as-errors]"
 
 # 2. What is named well is accepted.
 report=$(tidy "$scratch/oi/good.cpp") || fail "clang-tidy rejects the good file: $report"
