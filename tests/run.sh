@@ -70,11 +70,9 @@ background() {
 # await NAME: waits until the background has done it, and counts it.
 await() {
   local status seconds
-  until [[ -e $logs/$1.status ]]; do
-    kill -0 "$worker" 2> /dev/null || echo "1 0" > "$logs/$1.status"  # the background died
-    sleep 0.5
-  done
-  read -r status seconds < "$logs/$1.status"
+  while [[ ! -e $logs/$1.status ]] && kill -0 "$worker" 2> /dev/null; do sleep 0.5; done
+  # None, and nobody left to write one: the background died.
+  read -r status seconds < "$logs/$1.status" || status=1 seconds=0
   count "$1" "$status" "$seconds"
 }
 

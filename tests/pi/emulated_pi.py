@@ -40,6 +40,7 @@ exec < /dev/ttyS1 > /dev/ttyS1 2>&1
 stty -echo -onlcr
 dmesg -n 1
 echo; echo '@@booted'
+# Beside the tests' programs. The packages have theirs where they install it.
 if [ -x /bin/cargobay-guard ]; then export CARGOBAY_GUARD=/bin/cargobay-guard; fi
 exec env PS1= PS2= setsid -c sh
 """

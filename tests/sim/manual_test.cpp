@@ -23,6 +23,15 @@ void hold_play_while_switching_on(Robot& robot) {
   robot.device.inputs().play_button = false;
 }
 
+void empty_and_change_the_battery(Robot& robot) {
+  robot.device.battery().set_charge_mah(0.0);
+  robot.to_tick();
+  EXPECT_EQ(robot.device.power(), Power::off);
+  robot.device.battery().set_charge_mah(2000.0);
+  robot.device.press_power();
+  robot.wait(5s);
+}
+
 TEST(RateByPlay, EndsWithTheBattery) {  // OI p. 5
   Robot robot;
   hold_play_while_switching_on(robot);
@@ -36,12 +45,7 @@ TEST(RateByPlay, EndsWithAnEmptyBattery) {  // OI p. 5
   Robot robot;
   hold_play_while_switching_on(robot);
   ASSERT_EQ(robot.device.baud(), 19200U);
-  robot.device.battery().set_charge_mah(0.0);
-  robot.to_tick();
-  ASSERT_EQ(robot.device.power(), Power::off);
-  robot.device.battery().set_charge_mah(2000.0);
-  robot.device.press_power();
-  robot.wait(5s);
+  empty_and_change_the_battery(robot);
   EXPECT_EQ(robot.device.baud(), 57600U);
 }
 
@@ -69,12 +73,7 @@ TEST(RateByCommand, EndsWithAnEmptyBattery) {  // OI p. 7
   robot.send({128, 129, 5});
   robot.wait(200ms);
   ASSERT_EQ(robot.device.baud(), 9600U);
-  robot.device.battery().set_charge_mah(0.0);
-  robot.to_tick();
-  ASSERT_EQ(robot.device.power(), Power::off);
-  robot.device.battery().set_charge_mah(2000.0);
-  robot.device.press_power();
-  robot.wait(5s);
+  empty_and_change_the_battery(robot);
   EXPECT_EQ(robot.device.baud(), 57600U);
 }
 
