@@ -72,7 +72,7 @@ await() {
   local status seconds
   while [[ ! -e $logs/$1.status ]] && kill -0 "$worker" 2> /dev/null; do sleep 0.5; done
   # None, and nobody left to write one: the background died.
-  read -r status seconds < "$logs/$1.status" || status=1 seconds=0
+  read -r status seconds 2> /dev/null < "$logs/$1.status" || status=1 seconds=0
   count "$1" "$status" "$seconds"
 }
 

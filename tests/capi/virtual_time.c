@@ -120,7 +120,7 @@ static void knows_where_it_is(void) {
   CHECK(cargobay_wait(robot, SECONDS(1), &state) == CARGOBAY_OK);
   CHECK(near(state.x_mm, 1000.0, 1.0) && near(state.y_mm, -500.0, 1.0));
   CHECK(near(state.heading_rad, 1.5, 0.02));
-  CHECK_FAILS(cargobay_reset_odometry(robot, NAN, 0.0, 0.0), CARGOBAY_E_ARGUMENT, "no number");
+  CHECK_FAILS(cargobay_reset_odometry(robot, NAN, 0.0, 0.0), CARGOBAY_E_ARGUMENT, "not a number");
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
