@@ -258,7 +258,7 @@ void Device::store_script(std::span<const std::uint8_t> body) {
 void Device::play_script() {
   if (script_.empty()) return;
   if (script_tick_ == ticks_ && script_played_) {
-    wait_.for_time(0, now_);
+    wait_.for_tick(now_);
     script_again_ = true;
     return;
   }

@@ -24,17 +24,23 @@ class Wait {
     oi::Mode mode = oi::Mode::off;
   };
 
+  // No time, no distance and no angle have passed already, whichever way the robot goes.
   void for_time(std::int32_t tenths, rt::Duration now) {
-    begin(Kind::time);
+    begin(tenths == 0 ? Kind::none : Kind::time);
     until_ = now + std::chrono::milliseconds{100} * tenths;
   }
   void for_distance(std::int32_t distance_mm) {
-    begin(Kind::distance);
+    begin(distance_mm == 0 ? Kind::none : Kind::distance);
     target_ = distance_mm;
   }
   void for_angle(std::int32_t angle_deg) {
-    begin(Kind::angle);
+    begin(angle_deg == 0 ? Kind::none : Kind::angle);
     target_ = angle_deg;
+  }
+  // Until the next tick.
+  void for_tick(rt::Duration now) {
+    begin(Kind::time);
+    until_ = now;
   }
   // 1 to 22 and their negatives; any other number waits for nothing.
   void for_event(std::int32_t event) {

@@ -845,6 +845,18 @@ TEST_F(WaitCommands, WaitDistanceGoesBackwardToo) {
   EXPECT_GT(distance, -90);
 }
 
+// Backward too, and clockwise: a 0 that is only reached forward would never end.
+TEST_F(WaitCommands, NoDistanceAndNoAngleEndAtOnce) {
+  send({132, 137, 0xff, 0x9c, 128, 0});
+  wait(300ms);
+  send({156, 0, 0, 137, 0, 0, 128, 0, 142, 35});
+  EXPECT_EQ(receive(1, 1s), (Bytes{3}));
+  send({137, 0, 100, 0xff, 0xff});
+  wait(300ms);
+  send({157, 0, 0, 137, 0, 0, 128, 0, 142, 35});
+  EXPECT_EQ(receive(1, 1s), (Bytes{3}));
+}
+
 TEST_F(WaitCommands, SilenceTheStream) {
   send({148, 1, 35});
   (void)receive(5);

@@ -149,6 +149,21 @@ TEST(Wait, CountsAnglesBothWays) {
   EXPECT_FALSE(robot.device.waiting());
 }
 
+// Whichever way the robot goes: with a 0 that is only reached forward it would never end.
+TEST(Wait, EndsAtOnceForNoDistanceNoAngleAndNoTime) {
+  for (const Bytes& drive :
+       {Bytes{145, 0xff, 0x38, 0xff, 0x38}, Bytes{145, 0, 200, 0, 200}, Bytes{145, 0, 0, 0, 0},
+        Bytes{137, 0, 129, 0xff, 0xff}, Bytes{137, 0, 129, 0, 1}}) {
+    for (const Bytes& none : {Bytes{156, 0, 0}, Bytes{157, 0, 0}, Bytes{155, 0}}) {
+      Scripted robot;
+      robot.send(drive);
+      robot.wait(500ms);
+      robot.send(none);
+      EXPECT_FALSE(robot.device.waiting()) << int{drive[2]} << ", opcode " << int{none[0]};
+    }
+  }
+}
+
 TEST(Wait, BeginsCountingAnewEachTime) {
   Scripted robot;
   robot.send({145, 0, 200, 0, 200});
