@@ -55,6 +55,8 @@ struct DeviceCounters {
   std::uint64_t bytes_overrun = 0;     // no room to keep them while the robot waits
   std::uint64_t commands = 0;          // obeyed
   std::uint64_t commands_refused = 0;  // not available in the mode
+  // Obeyed, with data beyond the manual's range: brought into it, or ignored.
+  std::uint64_t commands_out_of_range = 0;
   std::uint64_t unknown_opcodes = 0;
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_lost = 0;  // more asked for than the wire carries
@@ -176,6 +178,7 @@ class Device {
   void interpret(std::uint8_t byte);
   void execute(const oi::CommandInfo& info, std::span<const std::uint8_t> bytes);
   void extension(std::uint8_t opcode);
+  bool within_manual(std::span<const std::uint8_t> bytes) const;
   void obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
             std::span<const std::uint8_t> tail);
   void enter(oi::Mode mode);

@@ -1,5 +1,6 @@
 // What each command does (OI p. 7 to 16). Numbers outside the manual's range are brought into it
-// where the robot has a nearest thing to do, and ignored where it has not.
+// where the robot has a nearest thing to do, and ignored where it has not; either way they are
+// counted.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "oi/commands.hpp"
 #include "oi/extensions.hpp"
 #include "oi/limits.hpp"
+#include "oi/parse.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -64,6 +66,7 @@ void Device::execute(const oi::CommandInfo& info, std::span<const std::uint8_t> 
     return;
   }
   ++counters_.commands;
+  if (!within_manual(bytes)) ++counters_.commands_out_of_range;
   std::array<std::int32_t, 4> arguments{};
   std::size_t offset = 1;
   for (std::size_t i = 0; i < info.argument_count; ++i) {
@@ -71,6 +74,14 @@ void Device::execute(const oi::CommandInfo& info, std::span<const std::uint8_t> 
     offset += info.argument_slots[i].size;
   }
   obey(info.opcode, arguments, bytes.subspan(offset));
+}
+
+bool Device::within_manual(std::span<const std::uint8_t> bytes) const {
+  const oi::ParseResult parsed = oi::parse_command(bytes);
+  if (parsed.outcome == oi::ParseResult::Outcome::command) return true;
+  // An extension's packet in a list or by itself is no mistake of the host's.
+  return parsed.error.argument != nullptr && parsed.error.argument->name == "packet" &&
+         oi::find_packet(low_byte(parsed.error.value), parameters_.extensions) != nullptr;
 }
 
 void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
@@ -249,6 +260,7 @@ void Device::tick_buttons(const Inputs& before) {
 
 // Longer than the manual's 100 bytes, none is stored.
 void Device::store_script(std::span<const std::uint8_t> body) {
+  if (body.size() > script_.capacity()) return;
   script_.clear();
   (void)script_.append(body);  // false: too long
 }

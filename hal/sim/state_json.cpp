@@ -68,6 +68,7 @@ JsonObject counters(const DeviceCounters& device, const CableCounters& cable) {
       .integer("bytes_overrun", device.bytes_overrun)
       .integer("commands", device.commands)
       .integer("commands_refused", device.commands_refused)
+      .integer("commands_out_of_range", device.commands_out_of_range)
       .integer("unknown_opcodes", device.unknown_opcodes)
       .integer("bytes_sent", device.bytes_sent)
       .integer("bytes_lost", device.bytes_lost)

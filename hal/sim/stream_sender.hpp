@@ -13,13 +13,14 @@ namespace cargobay::hal::sim {
 
 class StreamSender {
  public:
-  // A new list starts the stream, an empty one ends it. Ids that are no packets, and what goes
-  // beyond the 43 of the manual, are passed over.
+  // A new list starts the stream, an empty one ends it. Ids that are no packets are passed over. A
+  // list of more than the manual's 43 is ignored: the stream is what it was.
   void start(std::span<const std::uint8_t> packet_ids, oi::Extensions extensions) {
+    if (packet_ids.size() > packets_.capacity()) return;
     packets_.clear();
     for (const std::uint8_t id : packet_ids) {
       if (oi::find_packet(id, extensions) != nullptr)
-        (void)packets_.push_back(id);  // full: passed over
+        (void)packets_.push_back(id);  // never full: asked above
     }
     running_ = true;
   }

@@ -697,6 +697,19 @@ TEST_F(InputCommands, StreamIsPausedResumedAndReplaced) {
   EXPECT_TRUE(listen(100ms).empty());
 }
 
+TEST_F(InputCommands, AStreamOfMoreThanFortyThreePacketsIsNotTaken) {
+  send({148, 2, 35, 37});
+  (void)receive(7);
+  Bytes longer{148, 44};
+  longer.resize(46, 35);
+  send(longer);
+  wait(100ms);
+  const Bytes frames = receive(7);
+  send({150, 0});
+  ASSERT_EQ(frames.size(), 7U);
+  EXPECT_EQ(frames[1], 4) << "the one before goes on";
+}
+
 TEST_F(InputCommands, StreamOutlastsAChangeOfMode) {
   send({148, 1, 35});
   send({132});
@@ -724,6 +737,15 @@ TEST_F(ScriptCommands, HoldAHundredBytes) {
   command.resize(102, 128);
   send(command);
   EXPECT_EQ(ask({154}, 101).size(), 101U);
+}
+
+TEST_F(ScriptCommands, OfMoreThanAHundredBytesAreNotStored) {
+  send({152, 2, 128, 128});
+  Bytes longer{152, 101};
+  longer.resize(103, 132);
+  send(longer);
+  EXPECT_EQ(ask({154}, 3), (Bytes{2, 128, 128}));
+  EXPECT_TRUE(listen(50ms).empty());
 }
 
 TEST_F(ScriptCommands, ShowHaltsTheStream) {

@@ -64,5 +64,15 @@ TEST(Extensions, AnswerOpcode8WithTheFirmwaresDate) {
   EXPECT_EQ(date->day, 24);
 }
 
+TEST(Extensions, AreNotOutOfRange) {
+  Parameters parameters;
+  parameters.extensions = oi::Extensions::on;
+  for (const bool known : {true, false}) {
+    Robot robot{known ? parameters : Parameters{}};
+    robot.send({128, 149, 2, 43, 44});
+    EXPECT_EQ(robot.device.counters().commands_out_of_range, known ? 0U : 1U);
+  }
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim

@@ -73,16 +73,18 @@ TEST(Script, PlaysNothingWhereNoneIsStored) {
   EXPECT_TRUE(robot.receive().empty());
 }
 
-TEST(Script, RefusesMoreThanAHundredBytes) {
+TEST(Script, IgnoresOneOfMoreThanAHundredBytes) {
   Scripted robot;
   Bytes longest{152, 100};
   longest.resize(102, 173);
   robot.send(longest);
   EXPECT_EQ(robot.device.script().size(), 100U);
   Bytes longer{152, 101};
-  longer.resize(103, 173);
+  longer.resize(103, 128);
   robot.send(longer);
-  EXPECT_TRUE(robot.device.script().empty());
+  EXPECT_EQ(robot.device.script().size(), 100U);
+  EXPECT_EQ(robot.device.script()[99], 173) << "the one before";
+  EXPECT_EQ(robot.device.counters().commands_out_of_range, 1U);
   EXPECT_EQ(robot.ask({142, 35}), (Bytes{3})) << "all its bytes were taken";
 }
 

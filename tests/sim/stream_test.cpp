@@ -139,5 +139,20 @@ TEST(Stream, MixesUnframedRepliesIn) {
   EXPECT_EQ(robot.receive(), (Bytes{19, 2, 35, 1, 199, 1}));
 }
 
+TEST(Stream, GoesOnInsteadOfOneOfMoreThanFortyThreePackets) {
+  Robot robot;
+  robot.send({128, 148, 2, 35, 37});
+  Bytes longer{148, 44};
+  longer.resize(46, 7);
+  robot.send(longer);
+  EXPECT_EQ(robot.device.stream().packets().size(), 2U);
+  EXPECT_EQ(robot.device.counters().commands_out_of_range, 1U);
+  longer.resize(45);
+  longer[1] = 43;
+  robot.send(longer);
+  EXPECT_EQ(robot.device.stream().packets().size(), 43U);
+  EXPECT_EQ(robot.device.counters().commands_out_of_range, 1U);
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim
