@@ -451,6 +451,24 @@ TEST_F(SongCommands, AreOverwritten) {
   EXPECT_EQ(packet(37), 0);
 }
 
+TEST_F(SongCommands, PlayOnWhenTheirNumberIsGivenAway) {
+  send({132, 140, 5, 1, 60, 48, 141, 5, 140, 5, 1, 62, 4});
+  wait(400ms);
+  EXPECT_EQ(packet(37), 1) << "the new one would be over";
+  wait(600ms);
+  EXPECT_EQ(packet(37), 0);
+}
+
+TEST_F(SongCommands, OfSeventeenNotesAreNotStored) {
+  send({132, 140, 7, 1, 60, 8});
+  Bytes longer{140, 7, 17};
+  for (int i = 0; i < 17; ++i) longer.insert(longer.end(), {70, 32});
+  send(longer);
+  send({141, 7});
+  wait(400ms);
+  EXPECT_EQ(packet(37), 0) << "the one before was an eighth of a second";
+}
+
 TEST_F(SongCommands, HoldSixteenNotes) {
   Bytes song{132, 140, 15, 16};
   for (int i = 0; i < 16; ++i) song.insert(song.end(), {70, 4});

@@ -70,6 +70,34 @@ TEST(Songs, IgnorePlayWhileOnePlays) {
   EXPECT_EQ(robot.device.songs().selected(), 1);
 }
 
+// The robot has a copy of what it plays: the new song is for the next time.
+TEST(Songs, PlayOnAsTheyBeganWhenTheirNumberIsGivenAway) {
+  InSafe robot;
+  robot.send({140, 0, 2, 60, 32, 62, 32, 141, 0});  // two notes of half a second
+  robot.wait(250ms);
+  robot.send({140, 0, 1, 72, 8});
+  EXPECT_EQ(robot.device.sounding(), 60);
+  robot.wait(500ms);
+  EXPECT_EQ(robot.device.sounding(), 62);
+  EXPECT_EQ(robot.ask({142, 37}), (Bytes{1})) << "the new one would be over";
+  robot.wait(500ms);
+  EXPECT_EQ(robot.ask({142, 37}), (Bytes{0}));
+  robot.send({141, 0});
+  EXPECT_EQ(robot.device.sounding(), 72);
+}
+
+TEST(Songs, KeepTheOldOneInsteadOfOneTooLong) {
+  InSafe robot;
+  robot.send({140, 0, 1, 60, 32});
+  Bytes longer{140, 0, 17};
+  for (int i = 0; i < 17; ++i) longer.insert(longer.end(), {72, 1});
+  robot.send(longer);
+  robot.send({140, 0, 0, 140, 16, 1, 72, 32, 141, 0});
+  EXPECT_EQ(robot.device.sounding(), 60);
+  EXPECT_EQ(robot.device.counters().commands_out_of_range, 3U)
+      << "seventeen notes, none, a seventeenth song";
+}
+
 TEST(Songs, IgnoreASlotWithNothingInIt) {
   InSafe robot;
   robot.send({141, 5, 141, 16, 141, 255});
