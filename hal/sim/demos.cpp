@@ -25,7 +25,7 @@ bool sees_home_base(const Inputs& seen) { return seen.infrared >= 242 && seen.in
 constexpr std::array<std::uint8_t, 8> kCanon{78, 76, 74, 73, 71, 69, 71, 73};
 // Banjo: the notes of the four cliff sensors, left to right, in the three chords.
 constexpr std::array<std::uint8_t, 4> kGMajor{55, 59, 62, 67};
-constexpr std::array<std::uint8_t, 4> kDMajor7{57, 60, 62, 66};
+constexpr std::array<std::uint8_t, 4> kDMajor7{57, 61, 62, 66};
 constexpr std::array<std::uint8_t, 4> kCMajor{55, 60, 64, 67};
 
 }  // namespace

@@ -143,19 +143,40 @@ TEST(Demos, PachelbelPlaysANoteACliff) {
   EXPECT_NE(robot.device.sounding(), first);
 }
 
-TEST(Demos, BanjoChoosesItsChordByTheBumper) {
+// The first voice of the canon: F# E D C# B A B C#, and again.
+TEST(Demos, PachelbelPlaysTheCanonInItsOrder) {
+  Demonstrating robot{8};
+  for (const int note : {78, 76, 74, 73, 71, 69, 71, 73, 78}) {
+    robot.device.inputs().cliff_front_right.cliff = true;
+    robot.to_tick();
+    EXPECT_EQ(robot.device.sounding(), note);
+    robot.device.inputs().cliff_front_right.cliff = false;
+    robot.to_tick();
+  }
+}
+
+// What the four cliff sensors, left to right, play.
+Bytes banjo_chord(bool bump_left, bool bump_right) {
   Demonstrating robot{9};
-  robot.device.inputs().cliff_front_left.cliff = true;
-  robot.to_tick();
-  const std::uint8_t g_major = robot.device.sounding();
-  robot.device.inputs().bump_left = true;
-  robot.to_tick();
-  const std::uint8_t d_major_7 = robot.device.sounding();
-  robot.device.inputs().bump_right = true;
-  robot.to_tick();
-  EXPECT_NE(g_major, d_major_7);
-  EXPECT_NE(d_major_7, 0);
-  EXPECT_NE(robot.device.sounding(), 0);
+  robot.device.inputs().bump_left = bump_left;
+  robot.device.inputs().bump_right = bump_right;
+  Bytes notes;
+  for (CliffSensor Inputs::* sensor : {&Inputs::cliff_left, &Inputs::cliff_front_left,
+                                       &Inputs::cliff_front_right, &Inputs::cliff_right}) {
+    (robot.device.inputs().*sensor).cliff = true;
+    robot.to_tick();
+    notes.push_back(robot.device.sounding());
+    (robot.device.inputs().*sensor).cliff = false;
+  }
+  return notes;
+}
+
+TEST(Demos, BanjoChoosesItsChordByTheBumper) {
+  const Bytes d_major_7{57, 61, 62, 66};  // A C# D F#
+  EXPECT_EQ(banjo_chord(false, false), (Bytes{55, 59, 62, 67})) << "G major: G B D G";
+  EXPECT_EQ(banjo_chord(true, false), d_major_7);
+  EXPECT_EQ(banjo_chord(false, true), d_major_7);
+  EXPECT_EQ(banjo_chord(true, true), (Bytes{55, 60, 64, 67})) << "C major: G C E G";
 }
 
 TEST(Buttons, StartAndEndTheDemoSelected) {
