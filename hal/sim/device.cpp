@@ -15,6 +15,12 @@ constexpr std::uint32_t kFastBaud = 115200;
 constexpr std::size_t kInputRoom = 512;
 constexpr std::uint64_t kJunkSeed = 0x6a756e6b;
 
+// "The force field on top of the Home Base also trips this sensor" (OI p. 17), whoever shows it.
+void see_force_field(Inputs& seen) {
+  if (seen.home_base && seen.infrared == kNoInfrared) seen.infrared = kInfraredWhenDocked;
+  if (seen.home_base || has_force_field(seen.infrared)) seen.virtual_wall = true;
+}
+
 }  // namespace
 
 Device::Device(const Parameters& parameters)
@@ -91,6 +97,7 @@ void Device::tick() {
   const Inputs before = seen_;
   seen_ = inputs_;
   if (surroundings) surroundings(*this, seen_);
+  see_force_field(seen_);
   tick_battery();
   tick_play_held();
   if (power_ == Power::booting) tick_boot();

@@ -258,11 +258,11 @@ void Device::tick_buttons(const Inputs& before) {
   if (ends) stop_motors();
 }
 
-// Longer than the manual's 100 bytes, none is stored.
+// One longer than the manual's 100 bytes is not stored, and what is stored stays, as with a song.
 void Device::store_script(std::span<const std::uint8_t> body) {
   if (body.size() > script_.capacity()) return;
   script_.clear();
-  (void)script_.append(body);  // false: too long
+  (void)script_.append(body);  // it fits: asked above
 }
 
 // "Loads a script into the serial input queue" (OI p. 15): behind what is in it. One that plays

@@ -14,6 +14,13 @@ struct CliffSensor {
 
 inline constexpr std::uint8_t kNoInfrared = 255;
 
+// What a Home Base sends: 240 and 8 of its red buoy, 4 of its green one, 2 of its force field
+// (OI p. 18). A robot that is docked sees all three.
+inline constexpr std::uint8_t kInfraredWhenDocked = 254;
+constexpr bool has_force_field(std::uint8_t infrared) {
+  return infrared >= 240 && (infrared & 0b11U) == 0b10U;
+}
+
 struct Inputs {
   bool bump_left = false;
   bool bump_right = false;

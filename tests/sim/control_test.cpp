@@ -67,6 +67,28 @@ TEST(Control, HoldsThingsToTheSensors) {
   }
 }
 
+// By hand as in a world (OI p. 17).
+TEST(Control, TripsTheVirtualWallSensorWithAForceField) {
+  Controlled robot;
+  robot.send({128});
+  const auto tripped = [&robot](const std::string& command) {
+    EXPECT_EQ(robot.say(command), "ok");
+    robot.to_tick();
+    return robot.ask({142, 13}) == Bytes{1};
+  };
+  for (const int byte : {242, 246, 250, 254}) {
+    EXPECT_TRUE(tripped("ir " + std::to_string(byte))) << byte;
+  }
+  for (const int byte : {240, 244, 248, 252, 255, 2, 130, 243}) {
+    EXPECT_FALSE(tripped("ir " + std::to_string(byte))) << byte;
+  }
+  EXPECT_TRUE(tripped("home-base on"));
+  EXPECT_TRUE(tripped("ir 255"));
+  EXPECT_EQ(robot.ask({142, 17}), (Bytes{254})) << "in the middle of both buoys";
+  EXPECT_FALSE(tripped("home-base off"));
+  EXPECT_EQ(robot.ask({142, 17}), (Bytes{255}));
+}
+
 TEST(Control, TakesThingsAwayAgain) {
   Controlled robot;
   robot.send({128});
