@@ -28,7 +28,7 @@ Device::Device(const Parameters& parameters)
       next_tick_{parameters.first_tick},
       baud_{parameters.boot_baud},
       next_baud_{parameters.boot_baud},
-      output_{parameters.transmit_bytes},
+      output_{std::max(parameters.transmit_bytes, kLongestPart)},
       input_{kInputRoom},
       wheels_{parameters},
       odometer_{parameters},
@@ -135,9 +135,11 @@ void Device::tick_oi() {
     }
   }
   tick_wait();
+  reply();
   process();
   tick_demo();
-  if (mode_ != oi::Mode::off && stream_.running() && !waiting() && now_ >= faults_.stalled_until) {
+  const bool busy = waiting() || replying();
+  if (mode_ != oi::Mode::off && stream_.running() && !busy && now_ >= faults_.stalled_until) {
     send_frame();
   }
 }

@@ -20,6 +20,7 @@
 #include "hal/sim/odometer.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/random.hpp"
+#include "hal/sim/reply.hpp"
 #include "hal/sim/ring_buffer.hpp"
 #include "hal/sim/safety.hpp"
 #include "hal/sim/song_player.hpp"
@@ -117,6 +118,8 @@ class Device {
   std::span<const std::uint8_t> script() const { return script_; }
   // Deaf, and silent: a Wait command has not ended.
   bool waiting() const { return wait_.active(); }
+  // A reply that the line has not had room for: what comes meanwhile is kept for later.
+  bool replying() const { return reply_.under_way(); }
   const Demos& demos() const { return demos_; }
   Battery& battery() { return battery_; }
   const Battery& battery() const { return battery_; }
@@ -201,7 +204,9 @@ class Device {
   // device_sensors.cpp
   std::int32_t read_sensor(std::uint8_t id);
   std::int32_t junk_or(std::int32_t reading);
+  static constexpr std::size_t kLongestPart = oi::packet_size(6);  // of a reply: group 6
   void send(std::uint8_t byte);
+  void reply();
   void send_packet(std::uint8_t id);
 
   Parameters parameters_;
@@ -246,6 +251,7 @@ class Device {
   bool script_played_ = false;
   bool script_again_ = false;  // it plays itself again, from the next tick on
   Wait wait_{};
+  Reply reply_{};
   Demos demos_{};
   std::int32_t selected_demo_ = 0;
   std::uint8_t demo_note_ = 0;

@@ -25,7 +25,7 @@ constexpr std::uint8_t low_byte(std::int32_t value) { return static_cast<std::ui
 
 void Device::process() {
   // Each byte is taken once; Play Script adds a script's length, once a tick.
-  while (!input_.empty() && !waiting() && power_ == Power::on) {
+  while (!input_.empty() && !waiting() && !replying() && power_ == Power::on) {
     const std::uint8_t byte = input_.front();
     input_.pop_front();
     interpret(byte);
@@ -53,8 +53,8 @@ void Device::extension(std::uint8_t opcode) {
   if (parameters_.extensions == oi::Extensions::on) {
     if (opcode == oi::kSoftResetOpcode) return reset();
     if (opcode == oi::kFirmwareDateOpcode) {
-      for (const std::uint8_t byte : oi::firmware_date_answer(kFirmware)) send(byte);
-      return;
+      reply_.begin_bytes(oi::firmware_date_answer(kFirmware));
+      return reply();
     }
   }
   ++counters_.unknown_opcodes;
@@ -114,10 +114,10 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
     case oi::SendIr::kOpcode: return actuators_.send_infrared(low_byte(arguments[0]));
     case oi::Song::kOpcode: return songs_.store(low_byte(arguments[0]), tail);
     case oi::Play::kOpcode: return songs_.play(low_byte(arguments[0]), now_);
-    case oi::Sensors::kOpcode: return send_packet(low_byte(arguments[0]));
-    case oi::QueryList::kOpcode:
-      for (const std::uint8_t id : tail) send_packet(id);
-      return;
+    case oi::Sensors::kOpcode:
+      reply_.begin_packets(std::array{low_byte(arguments[0])});
+      return reply();
+    case oi::QueryList::kOpcode: reply_.begin_packets(tail); return reply();
     case oi::Stream::kOpcode: return stream_.start(tail, parameters_.extensions);
     case oi::PauseResumeStream::kOpcode:
       return arguments[0] == 0 ? stream_.pause() : stream_.resume();
@@ -294,8 +294,11 @@ void Device::tick_wait() {
 
 void Device::show_script() {
   stream_.pause();
-  send(static_cast<std::uint8_t>(script_.size()));
-  for (const std::uint8_t byte : script_) send(byte);
+  oi::FixedList<std::uint8_t, 1 + oi::kMaxScriptBytes> answer;
+  (void)answer.push_back(static_cast<std::uint8_t>(script_.size()));
+  (void)answer.append(script_);
+  reply_.begin_bytes(answer);
+  reply();
 }
 
 }  // namespace cargobay::hal::sim

@@ -55,6 +55,7 @@ void Device::forget_oi() {
   parser_.reset();
   input_.clear();
   wait_.end();
+  reply_.clear();
   demos_.stop();
   demo_note_ = 0;
   stream_.reset();

@@ -618,6 +618,21 @@ TEST_F(InputCommands, QueryListTakesGroups) {
   EXPECT_TRUE(listen(50ms).empty());
 }
 
+// At the rate of the line: 2.3 s at 57600.
+TEST_F(InputCommands, TheLongestQueryListIsAnsweredWhole) {
+  Bytes list{149, 255};
+  list.resize(257, 6);
+  send(list);
+  EXPECT_EQ(receive(255 * std::size_t{52}, 20s).size(), 255U * 52U);
+  EXPECT_TRUE(listen(50ms).empty());
+  EXPECT_EQ(mode(), 1);
+}
+
+TEST_F(InputCommands, WhatIsNoPacketInAListIsPassedOver) {
+  EXPECT_EQ(ask({149, 3, 35, 100, 37}, 2), (Bytes{1, 0}));
+  EXPECT_TRUE(listen(50ms).empty());
+}
+
 TEST_F(InputCommands, GroupsAreTheirPacketsInOrder) {
   send({132, 145, 0, 0, 0, 0});
   wait(50ms);
