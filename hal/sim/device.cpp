@@ -48,7 +48,8 @@ Truth Device::truth() const {
 }
 
 std::uint8_t Device::sounding() const {
-  return songs_.playing() ? songs_.sounding(now_) : demo_note_;
+  if (songs_.playing()) return songs_.sounding(now_);
+  return own_sound_.playing() ? own_sound_.sounding(now_) : demo_note_;
 }
 
 void Device::place(const Pose& pose) {
@@ -100,6 +101,7 @@ void Device::tick() {
   see_force_field(seen_);
   tick_battery();
   tick_play_held();
+  own_sound_.advance(now_);
   if (power_ == Power::booting) tick_boot();
   if (power_ == Power::on) {
     tick_buttons(before);

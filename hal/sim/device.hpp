@@ -17,6 +17,7 @@
 #include "hal/sim/brc_detector.hpp"
 #include "hal/sim/demos.hpp"
 #include "hal/sim/inputs.hpp"
+#include "hal/sim/melody.hpp"
 #include "hal/sim/odometer.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/random.hpp"
@@ -112,7 +113,7 @@ class Device {
   WheelSpeeds commanded() const { return wheels_.command(); }
   const Actuators& actuators() const { return actuators_; }
   const SongPlayer& songs() const { return songs_; }
-  // The MIDI number that sounds, of a song or a demo; 0 for silence.
+  // The MIDI number that sounds, of a song, a demo or the robot's own; 0 for silence.
   std::uint8_t sounding() const;
   const StreamSender& stream() const { return stream_; }
   std::span<const std::uint8_t> script() const { return script_; }
@@ -245,6 +246,7 @@ class Device {
   Battery battery_;
   StreamSender stream_{};
   SongPlayer songs_{};
+  Melody own_sound_{};  // a beep, a tune: no song of the Open Interface
   Actuators actuators_{};
   oi::FixedList<std::uint8_t, oi::kMaxScriptBytes> script_{};
   std::uint64_t script_tick_ = 0;  // of the last Play Script

@@ -19,6 +19,9 @@ namespace {
 
 constexpr oi::FirmwareDate kFirmware{.year = 7, .month = 9, .day = 24, .hour = 18, .minute = 35};
 
+// "Create beeps once to acknowledge it is starting from off" (OI p. 7); how, it does not say.
+constexpr std::array kStartBeep{oi::Note{84, oi::SixtyFourths{8}}};
+
 constexpr std::uint8_t low_byte(std::int32_t value) { return static_cast<std::uint8_t>(value); }
 
 }  // namespace
@@ -39,6 +42,7 @@ void Device::interpret(std::uint8_t byte) {
       parser_.reset();
       ++counters_.commands;
       enter(oi::Mode::passive);
+      own_sound_.start(kStartBeep, now_);
     }
     return;
   }
@@ -249,6 +253,7 @@ void Device::tick_demo() {
 // Off and Passive, the robot is its own: Play starts and ends the demo that Advance selects.
 void Device::tick_buttons(const Inputs& before) {
   if (mode_ == oi::Mode::safe || mode_ == oi::Mode::full) return;
+  if (waiting()) return;  // it does not "react to any inputs, serial or otherwise" (OI p. 15)
   constexpr auto kDemos = static_cast<std::int32_t>(oi::DemoNumber::banjo) + 1;
   if (seen_.advance_button && !before.advance_button)
     selected_demo_ = (selected_demo_ + 1) % kDemos;

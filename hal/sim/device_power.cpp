@@ -19,6 +19,10 @@ constexpr std::string_view kBootText =
 constexpr rt::Duration kBootSilence = std::chrono::seconds{3};
 constexpr rt::Duration kResetTime = std::chrono::milliseconds{4500};
 constexpr rt::Duration kPlayHeld = std::chrono::seconds{4};
+// "A tune of descending pitches" (OI p. 5); which, it does not say.
+constexpr std::array kTuneOf19200{
+    oi::Note{79, oi::SixtyFourths{8}}, oi::Note{76, oi::SixtyFourths{8}},
+    oi::Note{72, oi::SixtyFourths{8}}, oi::Note{67, oi::SixtyFourths{16}}};
 constexpr std::uint8_t kAllOutputsHigh = 0b111;
 
 constexpr double kSleepingMa = 5.0;
@@ -58,6 +62,7 @@ void Device::forget_oi() {
   reply_.clear();
   demos_.stop();
   demo_note_ = 0;
+  own_sound_.stop();
   stream_.reset();
   songs_.reset();
   script_.clear();
@@ -130,6 +135,7 @@ void Device::tick_play_held() {
   if (!play_held_ || now_ < powered_at_ + kPlayHeld) return;
   play_held_ = false;
   switch_baud(oi::kBrcBaud);
+  own_sound_.start(kTuneOf19200, now_);
 }
 
 void Device::print_charging() {

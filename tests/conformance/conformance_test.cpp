@@ -148,6 +148,14 @@ TEST_F(ModeCommands, WaitsForMotionAreObeyedInEachMode) {
   }
 }
 
+TEST_F(ModeCommands, SafeAndFullLeaveTheWheelsTurning) {
+  send({131, 145, 0, 100, 0, 100, 132});
+  wait(300ms);
+  EXPECT_GT(moved_within(300ms), 10);
+  send({131});
+  EXPECT_GT(moved_within(300ms), 10);
+}
+
 TEST_F(ModeCommands, PassiveDoesNotDrive) {
   send({132, 145, 0, 0, 0, 0, 128});
   send({145, 0, 50, 0, 50});
@@ -211,6 +219,15 @@ TEST_F(DemoCommands, HaveTenNumbers) {
   }
 }
 
+TEST_F(DemoCommands, ANumberThatIsNoneStopsAndMakesItPassive) {
+  send({132, 145, 0, 100, 0, 100});
+  wait(300ms);
+  send({136, 10});
+  EXPECT_EQ(mode(), 1);
+  wait(700ms);
+  EXPECT_LE(moved_within(300ms), 1);
+}
+
 TEST_F(DemoCommands, CoverDrivesUntilItIsAborted) {
   (void)moved_within(0ms);
   send({135});
@@ -235,6 +252,13 @@ TEST_F(ActuatorCommands, DriveIsReadBack) {
   send({132, 137, 0xff, 0xce, 1, 244});  // -50 mm/s, radius 500 mm
   EXPECT_EQ(word_packet(39), -50);
   EXPECT_EQ(word_packet(40), 500);
+}
+
+TEST_F(ActuatorCommands, SpeedsAndRadiiOutOfRangeAreBroughtIntoIt) {
+  send({132, 137, 0, 0, 0x07, 0xd1});  // 2001 mm
+  EXPECT_EQ(word_packet(40), 2000);
+  send({145, 0x01, 0xf5, 0, 0, 142, 41, 145, 0, 0, 0, 0});  // 501 mm/s, for an instant
+  EXPECT_EQ(receive(2), (Bytes{0x01, 0xf4}));
 }
 
 TEST_F(ActuatorCommands, DriveDirectIsReadBackRightAndLeft) {
@@ -426,6 +450,13 @@ TEST_F(ActuatorCommands, LedsOutputsDriversAndIrLeaveTheWheelsAndTheStreamAlone)
 }
 
 // --- Songs (OI p. 11, 12) ---
+
+TEST_F(SongCommands, OutlastTheirMode) {
+  send({132, 140, 0, 1, 60, 32, 141, 0, 128});
+  EXPECT_EQ(packet(37), 1);
+  wait(700ms);
+  EXPECT_EQ(packet(37), 0);
+}
 
 TEST_F(SongCommands, PlayForAsLongAsTheirNotesSay) {
   send({132, 140, 3, 2, 60, 32, 30, 32});  // half a second, and as long a rest

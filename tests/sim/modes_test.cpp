@@ -120,5 +120,84 @@ TEST(Modes, AreFreedFromAnyHalfSentCommandByStarts) {
   EXPECT_EQ(robot.device.mode(), Mode::safe);
 }
 
+// It listens for Start, and does not take the bytes of a command together to find it.
+TEST(Modes, OffFindsStartInTheDataOfACommand) {
+  Robot robot;
+  robot.send({137, 0, 100, 128});
+  EXPECT_EQ(robot.device.mode(), Mode::passive);
+  EXPECT_EQ(robot.ask({142, 35}), (Bytes{1}));
+}
+
+TEST(Modes, BeepOnceWhenTheyAreLeavingOff) {
+  Robot robot;
+  robot.send({128});
+  EXPECT_NE(robot.device.sounding(), 0);
+  EXPECT_EQ(robot.ask({142, 37}), (Bytes{0})) << "it is no song";
+  robot.wait(200ms);
+  EXPECT_EQ(robot.device.sounding(), 0);
+  robot.send({128});
+  EXPECT_EQ(robot.device.sounding(), 0) << "from Passive";
+}
+
+TEST(Modes, TurnTheLedsOffWhenFullBegins) {
+  for (const std::uint8_t before : Bytes{128, 131, 132}) {
+    Robot robot;
+    robot.send({128, 132, 139, 10, 255, 128, before, 132});
+    EXPECT_FALSE(robot.device.actuators().leds.advance) << int{before};
+    EXPECT_EQ(robot.device.actuators().leds.power_intensity, 0) << int{before};
+  }
+}
+
+// "You cannot change" them to something else (OI p. 6): what does not move goes on as it is.
+void expect_what_passive_leaves(const Robot& robot) {
+  EXPECT_EQ(robot.device.mode(), Mode::passive);
+  EXPECT_EQ(robot.device.commanded(), WheelSpeeds{});
+  EXPECT_EQ(robot.device.actuators().low_side_drivers, (std::array<std::uint8_t, 3>{}));
+  EXPECT_EQ(robot.device.actuators().digital_outputs, 0b101);
+  EXPECT_TRUE(robot.device.actuators().leds.play);
+  EXPECT_TRUE(robot.device.songs().playing());
+}
+
+TEST(Modes, LeaveOutputsLedsAndSongsAloneWhenPassiveBegins) {
+  for (const Bytes& to_passive : {Bytes{128}, Bytes{136, 255}, Bytes{136, 10}, Bytes{}}) {
+    Robot robot;
+    robot.send(
+        {128, 131, 139, 2, 0, 0, 147, 5, 138, 7, 140, 0, 1, 60, 255, 141, 0, 145, 0, 100, 0, 100});
+    if (to_passive.empty()) robot.device.inputs().wheel_drop_left = true;  // a hazard
+    robot.send(to_passive);
+    robot.to_tick();
+    expect_what_passive_leaves(robot);
+  }
+}
+
+// Where the robot has a nearest thing to do it does that; elsewhere nothing.
+TEST(Modes, CountWhatIsOutOfRange) {
+  struct Case {
+    Bytes command;
+    bool counted;
+  };
+  for (const auto& [command, counted] :
+       {Case{{137, 1, 245, 0, 100}, true}, Case{{137, 1, 244, 7, 209}, true},
+        Case{{137, 1, 244, 7, 208}, false}, Case{{137, 1, 244, 127, 255}, false},
+        Case{{145, 1, 245, 0, 0}, true}, Case{{139, 1, 0, 0}, true}, Case{{147, 8}, true},
+        Case{{138, 8}, true}, Case{{144, 129, 0, 0}, true}, Case{{129, 12}, true},
+        Case{{150, 2}, true}, Case{{141, 16}, true}, Case{{158, 23}, true}, Case{{136, 10}, true},
+        Case{{136, 255}, false}, Case{{139, 10, 255, 255}, false}}) {
+    Robot robot;
+    robot.send({128, 132});
+    robot.send(command);
+    EXPECT_EQ(robot.device.counters().commands_out_of_range, counted ? 1U : 0U)
+        << int{command[0]} << " " << int{command[1]};
+  }
+}
+
+TEST(Modes, ResumeAStreamByAnythingButNought) {
+  Robot robot;
+  robot.send({128, 148, 1, 35, 150, 0});
+  EXPECT_FALSE(robot.device.stream().running());
+  robot.send({150, 2});
+  EXPECT_TRUE(robot.device.stream().running());
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim

@@ -132,6 +132,23 @@ TEST(Power, BootsAt19200WithPlayHeldForFourSeconds) {
   EXPECT_EQ(robot.device.baud(), 57600U) << "until the power is turned off";
 }
 
+TEST(Power, PlaysATuneOfDescendingPitchesAt19200) {
+  Robot robot{powered(PowerOn::never)};
+  robot.device.inputs().play_button = true;
+  robot.device.press_power();
+  Bytes tune;
+  for (int tick = 0; tick < 400; ++tick) {
+    robot.to_tick();
+    const std::uint8_t note = robot.device.sounding();
+    const bool too_soon = note != 0 && robot.device.now() < 3990ms;
+    EXPECT_FALSE(too_soon) << "about 4 s";
+    if (note != 0 && (tune.empty() || tune.back() != note)) tune.push_back(note);
+  }
+  EXPECT_GE(tune.size(), 3U);
+  EXPECT_TRUE(std::is_sorted(tune.rbegin(), tune.rend()));
+  EXPECT_EQ(robot.device.sounding(), 0) << "it is over";
+}
+
 TEST(Power, DoesNotMindPlayLetGoTooSoon) {
   Robot robot{powered(PowerOn::never)};
   robot.device.inputs().play_button = true;
@@ -183,6 +200,37 @@ TEST(Brc, BeginsAgainAfterABadPulse) {
     now += 250ms;
   }
   EXPECT_EQ(switched_after, 6);
+}
+
+// The manual has no longest gap and no latest time (OI p. 5).
+TEST(Brc, CountsPulsesHoweverLateAndFarApart) {
+  Robot robot;
+  robot.wait(3600s);
+  for (int i = 0; i < 2; ++i) pulse(robot, 100ms, 60s);
+  EXPECT_EQ(robot.device.baud(), 57600U);
+  pulse(robot, 100ms, 100ms);
+  EXPECT_EQ(robot.device.baud(), 19200U);
+}
+
+TEST(Brc, IsNotUndoneByMorePulses) {
+  Robot robot;
+  for (int i = 0; i < 7; ++i) pulse(robot, 100ms, 100ms);
+  EXPECT_EQ(robot.device.baud(), 19200U);
+  ASSERT_FALSE(robot.link.set_baud(19200));
+  robot.send({128, 129, 10});
+  robot.wait(200ms);
+  for (int i = 0; i < 2; ++i) pulse(robot, 100ms, 100ms);
+  EXPECT_EQ(robot.device.baud(), 19200U) << "the seventh was the first of another three";
+}
+
+// The manual's table of packet 32 has the rate follow the pin (OI p. 20), its page 5 has pulses.
+TEST(Brc, IsNotHeldLowForARate) {
+  Robot robot;
+  robot.device.set_brc(false);
+  robot.wait(10s);
+  EXPECT_EQ(robot.device.baud(), 57600U);
+  robot.device.set_brc(true);
+  EXPECT_EQ(robot.device.baud(), 57600U);
 }
 
 TEST(Brc, IsIgnoredForTwoSecondsAfterPowerOn) {

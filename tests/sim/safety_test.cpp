@@ -130,5 +130,46 @@ TEST(Safety, StopsARobotThatWaits) {
   EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
 }
 
+// The robot knows the direction that it is told, not the one that it goes (docs/protocol.md).
+TEST(Safety, HeedsCliffsByTheCommandNotByTheMotion) {
+  Driving coasting{kSafe, {200.0, 200.0}};
+  coasting.wait(1s);
+  coasting.send({145, 0, 0, 0, 0});
+  EXPECT_GT(coasting.device.truth().speeds.left_mm_s, 50.0);
+  coasting.device.inputs().cliff_left.cliff = true;
+  coasting.to_tick();
+  EXPECT_EQ(coasting.device.mode(), Mode::safe) << "it was told to stop";
+  EXPECT_EQ(mode_at_a_cliff(kSafe, {5.0, 5.0}), Mode::passive) << "told to move, if too slowly";
+}
+
+TEST(Safety, GivesUpSafeWhereTheChargerIsPluggedIn) {
+  Robot robot;
+  robot.send({128});
+  robot.device.inputs().charger = true;
+  robot.wait(100ms);
+  robot.send({kSafe});
+  EXPECT_EQ(robot.device.mode(), Mode::safe);
+  robot.to_tick();
+  EXPECT_EQ(robot.device.mode(), Mode::passive);
+  EXPECT_EQ(robot.device.last_hazard(), Hazard::charger);
+  robot.to_tick();
+  EXPECT_TRUE(robot.device.battery().charging()) << "again";
+}
+
+TEST(Safety, LeavesSafeOnTheHomeBaseAndDoesNotCharge) {
+  Robot robot;
+  robot.send({128});
+  robot.device.inputs().home_base = true;
+  robot.wait(100ms);
+  EXPECT_TRUE(robot.device.battery().charging());
+  robot.send({kSafe});
+  robot.wait(1s);
+  EXPECT_EQ(robot.device.mode(), Mode::safe);
+  EXPECT_FALSE(robot.device.battery().charging());
+  robot.send({128});
+  robot.wait(100ms);
+  EXPECT_TRUE(robot.device.battery().charging());
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim

@@ -103,6 +103,26 @@ TEST(Wait, IsDeafAndKeepsWhatItHearsForLater) {
   EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
 }
 
+// "Nor does it react to any inputs" (OI p. 15): not even to the button that it waits for.
+TEST(Wait, StartsNoDemoByTheButtonItWaitsFor) {
+  Robot robot;
+  robot.send({128, 158, 17});
+  robot.device.press(oi::Button::play, 200ms);
+  robot.to_tick();
+  robot.to_tick();
+  EXPECT_FALSE(robot.device.waiting());
+  EXPECT_FALSE(robot.device.demos().running());
+}
+
+// The host refuses to send one; the robot finds a command like any other.
+TEST(Script, MayHoldAScript) {
+  Scripted robot;
+  robot.send({152, 6, 152, 2, 142, 35, 142, 35, 153});
+  robot.wait(50ms);
+  EXPECT_EQ(robot.receive(), (Bytes{3})) << "what follows the script within is played";
+  EXPECT_EQ(robot.ask({154}), (Bytes{2, 142, 35}));
+}
+
 TEST(Wait, LosesWhatItHasNoRoomFor) {
   Scripted robot;
   robot.send({155, 255});
