@@ -18,6 +18,7 @@ constexpr double kShortPressMs = 200.0;
 constexpr double kLongestPressMs = 3'600'000.0;
 constexpr double kFarthestMm = 1e6;
 constexpr double kMostMah = 65535.0;
+constexpr double kFastestMmPerSec = 1000.0;
 
 std::optional<bool> either(std::string_view word, std::string_view yes, std::string_view no) {
   if (word == yes) return true;
@@ -149,6 +150,33 @@ bool set_battery(Device& device, std::string_view rest) {
   return true;
 }
 
+bool change_battery(Device& device, std::string_view rest) {
+  const std::optional<bool> alkaline = either(next_word(rest), "alkaline", "rechargeable");
+  if (!alkaline || !no_more_words(rest)) return false;
+  device.change_battery(*alkaline ? BatteryPack::alkaline : BatteryPack::rechargeable);
+  return true;
+}
+
+bool set_charging(Battery& battery, std::string_view rest) {
+  const std::string_view trouble = next_word(rest);
+  const bool known = trouble == "normal" || trouble == "waiting" || trouble == "fault";
+  if (!known || !no_more_words(rest)) return false;
+  battery.set_trouble(trouble == "fault"     ? ChargingTrouble::fault
+                      : trouble == "waiting" ? ChargingTrouble::waiting
+                                             : ChargingTrouble::none);
+  return true;
+}
+
+bool turn_wheels(Device& device, std::string_view rest) {
+  const std::optional<double> left =
+      to_number(next_word(rest), -kFastestMmPerSec, kFastestMmPerSec);
+  const std::optional<double> right =
+      to_number(next_word(rest), -kFastestMmPerSec, kFastestMmPerSec);
+  if (!left || !right || !no_more_words(rest)) return false;
+  device.turn_wheels({.left_mm_s = *left, .right_mm_s = *right});
+  return true;
+}
+
 bool apply_input(std::string_view name, std::string_view rest, Inputs& inputs) {
   if (name == "bump") return set_bump(inputs, rest);
   if (name == "cliff") return set_cliff(inputs, rest);
@@ -184,6 +212,9 @@ bool apply(std::string_view name, std::string_view rest, Device& device) {
   if (name == "press") return press(device, rest);
   if (name == "place") return place(device, rest);
   if (name == "battery") return set_battery(device, rest);
+  if (name == "battery-pack") return change_battery(device, rest);
+  if (name == "charging") return set_charging(device.battery(), rest);
+  if (name == "turn-wheels") return turn_wheels(device, rest);
   if (name == "brc") return set_level(rest, [&](bool high) { device.set_brc(high); });
   if (name == "power-toggle")
     return set_level(rest, [&](bool high) { device.set_power_toggle(high); });

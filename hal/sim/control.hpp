@@ -17,7 +17,7 @@ struct ControlInfo {
   std::string_view meaning;
 };
 
-inline constexpr std::array<ControlInfo, 22> kControls{{
+inline constexpr std::array<ControlInfo, 25> kControls{{
     {"power", "", "presses the power button"},
     {"press", "play|advance [MS]", "presses a button, for 200 ms unless said otherwise"},
     {"hold", "play|advance", "holds a button down"},
@@ -36,7 +36,10 @@ inline constexpr std::array<ControlInfo, 22> kControls{{
     {"brc", "low|high", "sets the Baud Rate Change pin"},
     {"power-toggle", "low|high", "sets the power toggle pin"},
     {"battery", "MAH", "sets the charge"},
+    {"battery-pack", "rechargeable|alkaline", "puts a full one in, which it forgets all over"},
+    {"charging", "normal|waiting|fault", "gives its charger something to wait for or a fault"},
     {"place", "X_MM Y_MM HEADING_DEG", "puts it there"},
+    {"turn-wheels", "LEFT_MM_S RIGHT_MM_S", "turns its wheels by hand while its motors are off"},
     {"fault", "NAME [ARGUMENTS]", "makes something go wrong; `fault` alone lists what"},
     {"state", "", "tells all about it, as JSON"},
     {"help", "", "lists these"},

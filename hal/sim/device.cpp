@@ -58,8 +58,16 @@ void Device::place(const Pose& pose) {
 }
 
 void Device::set_wheels_blocked(bool left, bool right) {
+  left_blocked_ = left;
+  right_blocked_ = right;
   advance_wheels();
-  wheels_.set_blocked(left, right);
+  wheels_.set_blocked(left || inputs_.overcurrent_left_wheel,
+                      right || inputs_.overcurrent_right_wheel);
+}
+
+void Device::turn_wheels(WheelSpeeds turned) {
+  advance_wheels();
+  wheels_.set_turned(turned);
 }
 
 rt::Duration Device::next_event() const { return std::min(next_tick_, baud_change_at_); }
@@ -99,6 +107,7 @@ void Device::tick() {
   seen_ = inputs_;
   if (surroundings) surroundings(*this, seen_);
   see_force_field(seen_);
+  overload_wheels();
   tick_battery();
   tick_play_held();
   own_sound_.advance(now_);
@@ -108,6 +117,15 @@ void Device::tick() {
     tick_oi();
   }
   if (on_tick) on_tick(*this);
+}
+
+// A motor is given 1.0 A and no more (OI p. 17): one that is asked for more than that moves stands
+// still, and one that is held draws it.
+void Device::overload_wheels() {
+  wheels_.set_blocked(left_blocked_ || seen_.overcurrent_left_wheel,
+                      right_blocked_ || seen_.overcurrent_right_wheel);
+  if (wheels_.left().stalled()) seen_.overcurrent_left_wheel = true;
+  if (wheels_.right().stalled()) seen_.overcurrent_right_wheel = true;
 }
 
 void Device::press(oi::Button button, rt::Duration period) {

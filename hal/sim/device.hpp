@@ -141,6 +141,12 @@ class Device {
   void press(oi::Button button, rt::Duration period);
   void place(const Pose& pose);
   void set_wheels_blocked(bool left, bool right);
+  // Turns its wheels from outside from now on, by hand or by a push; their motors are stronger.
+  void turn_wheels(WheelSpeeds turned);
+  // Takes the battery out and puts a full one in: nothing is remembered, and it is off.
+  void change_battery(BatteryPack pack);
+  // What flows through each low side driver: what it is set to, at most its limit.
+  std::array<double, 3> low_side_driver_ma() const;
 
   DeviceFaults& faults() { return faults_; }
   // Says something that is no answer to anything.
@@ -163,6 +169,7 @@ class Device {
   // Two instants at most are due: a tick and a change of the baud rate.
   rt::Duration next_event() const;
   void advance_wheels();
+  void overload_wheels();
   void release_buttons();
   void tick();
   void tick_oi();
@@ -242,6 +249,8 @@ class Device {
   Inputs seen_{};  // as they were at the last tick
   Wheels wheels_;
   rt::Duration wheels_at_{0};
+  bool left_blocked_ = false;  // by set_wheels_blocked()
+  bool right_blocked_ = false;
   Odometer odometer_;
   Battery battery_;
   StreamSender stream_{};

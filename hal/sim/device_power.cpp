@@ -28,7 +28,9 @@ constexpr std::uint8_t kAllOutputsHigh = 0b111;
 constexpr double kSleepingMa = 5.0;
 constexpr double kIdleMa = 250.0;
 constexpr double kWheelMaPerMmPerSec = 0.5;
-constexpr double kDriverMa = 500.0;
+constexpr double kStalledWheelMa = 1000.0;                   // OI p. 17
+constexpr double kDriverMa = 250.0;                          // of what hangs on a low side driver
+constexpr std::array kDriverLimitsMa{500.0, 500.0, 1600.0};  // OI p. 17
 
 }  // namespace
 
@@ -103,6 +105,26 @@ void Device::brown_out() {
   switch_on(kPowerOnTime);
 }
 
+// After that "the OI is in off mode" (OI p. 6) and no rate is remembered (OI p. 5, 7).
+void Device::change_battery(BatteryPack pack) {
+  forget_oi();
+  power_ = Power::off;
+  actuators_ = {};
+  brc_baud_.reset();
+  output_.clear();
+  battery_.insert(pack);
+}
+
+// "If too much current is requested, the current is limited" (OI p. 10).
+std::array<double, 3> Device::low_side_driver_ma() const {
+  std::array<double, 3> drivers_ma{};
+  for (std::size_t i = 0; i < drivers_ma.size(); ++i) {
+    const double full_ma = seen_.overcurrent_low_side_driver[i] ? kDriverLimitsMa[i] : kDriverMa;
+    drivers_ma[i] = full_ma * actuators_.low_side_drivers[i] / kFullDuty;
+  }
+  return drivers_ma;
+}
+
 void Device::tick_boot() {
   if (boot_text_due_ && now_ >= powered_at_ + kBootSilence) {
     boot_text_due_ = false;
@@ -117,8 +139,9 @@ void Device::tick_battery() {
   double load_ma = power_ == Power::off ? kSleepingMa : kIdleMa;
   const WheelSpeeds speeds = wheels_.speeds();
   load_ma += kWheelMaPerMmPerSec * (std::abs(speeds.left_mm_s) + std::abs(speeds.right_mm_s));
-  for (const std::uint8_t duty : actuators_.low_side_drivers)
-    load_ma += kDriverMa * duty / kFullDuty;
+  for (const Wheel& wheel : {wheels_.left(), wheels_.right()})
+    load_ma += wheel.stalled() ? kStalledWheelMa : 0.0;
+  for (const double driver_ma : low_side_driver_ma()) load_ma += driver_ma;
   battery_.advance(oi::kTick, load_ma, seen_.charger || seen_.home_base, !in_control);
   if (battery_.empty() && power_ != Power::off) {
     switch_off();

@@ -69,8 +69,8 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
     case oi::PacketId::voltage: return rounded(battery_.voltage_mv());
     case oi::PacketId::current: return rounded(battery_.current_ma());
     case oi::PacketId::battery_temperature: return rounded(battery_.temperature_deg_c());
-    case oi::PacketId::battery_charge: return rounded(battery_.charge_mah());
-    case oi::PacketId::battery_capacity: return rounded(battery_.capacity_mah());
+    case oi::PacketId::battery_charge: return rounded(battery_.reported_charge_mah());
+    case oi::PacketId::battery_capacity: return rounded(battery_.reported_capacity_mah());
     case oi::PacketId::wall_signal: return seen_.wall_signal;
     case oi::PacketId::cliff_left_signal: return seen_.cliff_left.signal;
     case oi::PacketId::cliff_front_left_signal: return seen_.cliff_front_left.signal;

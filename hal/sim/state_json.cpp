@@ -61,6 +61,30 @@ JsonObject leds(const Leds& leds) {
       .integer("power_intensity", leds.power_intensity);
 }
 
+// Of the cargo bay connector (OI p. 4), what the robot puts on them: 13, 8, 9, 10 to 12.
+JsonObject pins(const Device& device) {
+  const bool on = device.power() != Power::off;
+  const double vpwr_mv = device.battery().voltage_mv();
+  return JsonObject{}
+      .truth("charging", device.battery().charging())
+      .truth("switched_5v", on)
+      .number("vpwr_mv", vpwr_mv)
+      .number("switched_vpwr_mv", on ? vpwr_mv : 0.0);
+}
+
+// What the drivers are set to, and what flows.
+JsonObject& low_side_drivers(JsonObject& state, const Device& device) {
+  const std::array<std::uint8_t, 3>& duty = device.actuators().low_side_drivers;
+  const std::array<double, 3> current_ma = device.low_side_driver_ma();
+  std::string duties;
+  std::string currents;
+  for (std::size_t i = 0; i < duty.size(); ++i) {
+    duties += (i == 0 ? "[" : ",") + std::to_string(duty[i]);
+    currents += (i == 0 ? "[" : ",") + std::to_string(std::lround(current_ma[i]));
+  }
+  return state.raw("low_side_driver", duties + "]").raw("low_side_driver_ma", currents + "]");
+}
+
 JsonObject counters(const DeviceCounters& device, const CableCounters& cable) {
   return JsonObject{}
       .integer("bytes_received", device.bytes_received)
@@ -85,12 +109,9 @@ JsonObject counters(const DeviceCounters& device, const CableCounters& cable) {
 std::string state_json(const Cable& cable) {
   const Device& device = cable.device();
   const Actuators& actuators = device.actuators();
-  const std::array<std::uint8_t, 3>& duty = actuators.low_side_drivers;
-  const std::string drivers = "[" + std::to_string(duty[0]) + "," + std::to_string(duty[1]) + "," +
-                              std::to_string(duty[2]) + "]";
   const auto hazard = device.last_hazard();
-  return JsonObject{}
-      .text("mode", oi::name(device.mode()))
+  JsonObject state;
+  state.text("mode", oi::name(device.mode()))
       .integer("baud", device.baud())
       .truth("powered", device.power() != Power::off)
       .truth("booting", device.power() == Power::booting)
@@ -101,20 +122,22 @@ std::string state_json(const Cable& cable) {
       .object("leds", leds(actuators.leds))
       .truth("song_playing", device.songs().playing())
       .integer("note", device.sounding())
-      .integer("digital_out", actuators.digital_outputs)
-      .raw("low_side_driver", drivers)
+      .integer("digital_out", actuators.digital_outputs);
+  low_side_drivers(state, device)
       .raw("ir_sent", actuators.infrared_sent ? std::to_string(*actuators.infrared_sent) : "null")
       .integer("script_bytes", device.script().size())
       .truth("waiting", device.waiting())
       .truth("demo_running", device.demos().running())
       .integer("charging_state", static_cast<std::uint64_t>(device.battery().state()))
       .number("battery_mah", device.battery().charge_mah())
+      .text("battery_pack", name(device.battery().pack()))
+      .object("pins", pins(device))
       .integer("stream_packets", device.stream().packets().size())
       .truth("streaming", device.stream().running())
       .text("brc", device.brc_high() ? "high" : "low")
       .raw("last_hazard", hazard ? "\"" + std::string{name(*hazard)} + "\"" : "null")
-      .object("counters", counters(device.counters(), cable.counters()))
-      .take();
+      .object("counters", counters(device.counters(), cable.counters()));
+  return state.take();
 }
 
 }  // namespace cargobay::hal::sim

@@ -29,6 +29,12 @@ void Wheel::set_command(double command_mm_s) {
   command_mm_s_ = command_mm_s;
   if (command_mm_s > 0.0) direction_ = 1;
   if (command_mm_s < 0.0) direction_ = -1;
+  if (command_mm_s == 0.0 && turned_mm_s_ != 0.0) direction_ = 1;
+}
+
+void Wheel::set_turned(double turned_mm_s) {
+  turned_mm_s_ = turned_mm_s;
+  if (command_mm_s_ == 0.0 && turned_mm_s != 0.0) direction_ = 1;
 }
 
 void Wheel::set_disturbance(double disturbance_mm_s) { disturbance_mm_s_ = disturbance_mm_s; }
@@ -38,8 +44,12 @@ void Wheel::set_blocked(bool blocked) {
   if (blocked) speed_mm_s_ = 0.0;
 }
 
+bool Wheel::motor_on() const {
+  return std::abs(command_mm_s_) >= dead_band_mm_s_ && command_mm_s_ != 0.0;
+}
+
 double Wheel::driven_mm_s() const {
-  if (std::abs(command_mm_s_) < dead_band_mm_s_ || command_mm_s_ == 0.0) return 0.0;
+  if (!motor_on()) return turned_mm_s_;
   return gain_ * command_mm_s_ + disturbance_mm_s_;
 }
 
@@ -100,9 +110,15 @@ void Wheels::set_blocked(bool left, bool right) {
   right_.set_blocked(right);
 }
 
+void Wheels::set_turned(WheelSpeeds turned) {
+  turned_ = turned;
+  left_.set_turned(turned.left_mm_s);
+  right_.set_turned(turned.right_mm_s);
+}
+
 void Wheels::advance(rt::Duration period) {
-  const bool stands = left_.speed_mm_s() == 0.0 && right_.speed_mm_s() == 0.0 &&
-                      command_.left_mm_s == 0.0 && command_.right_mm_s == 0.0;
+  const bool stands =
+      speeds() == WheelSpeeds{} && command_ == WheelSpeeds{} && turned_ == WheelSpeeds{};
   if (stands) return;
   double left_over_s = rt::seconds(period);
   while (left_over_s > 0.0) {

@@ -34,20 +34,26 @@ class Wheel {
   void advance(double period_s);
   // Holds the wheel (it does not turn, and counts nothing) or lets go of it.
   void set_blocked(bool blocked);
+  // Turns it from outside, as long as its motor does not.
+  void set_turned(double turned_mm_s);
 
   double speed_mm_s() const { return speed_mm_s_; }
+  // Held, with its motor on.
+  bool stalled() const { return blocked_ && motor_on(); }
   double travel_mm() const { return travel_mm_; }
   double speed_after(double period_s) const;
   double travel_after(double period_s) const;
 
   // Encoder counts. The encoder has one channel and cannot see the direction: its counts take the
-  // sign of the commanded one, and after a command of 0 keep the last.
+  // sign of the commanded one, and after a command of 0 keep the last. Turned from outside they go
+  // up either way (OI p. 16).
   std::int64_t counts() const { return counts_; }
   // All of them, whatever the direction.
   std::int64_t edges() const { return edges_; }
 
  private:
   void advance_one_way(double period_s);
+  bool motor_on() const;
   double driven_mm_s() const;
 
   double lag_s_;
@@ -56,6 +62,7 @@ class Wheel {
   double counts_per_mm_;
   double command_mm_s_ = 0.0;
   double disturbance_mm_s_ = 0.0;
+  double turned_mm_s_ = 0.0;
   double speed_mm_s_ = 0.0;
   double travel_mm_ = 0.0;
   std::int64_t direction_ = 1;
@@ -74,6 +81,8 @@ class Wheels {
   void tick();
   void place(const Pose& pose) { pose_ = pose; }
   void set_blocked(bool left, bool right);
+  // Turns them from outside from now on: by hand, or by a push. Motors are stronger.
+  void set_turned(WheelSpeeds turned);
 
   const Pose& pose() const { return pose_; }
   WheelSpeeds command() const { return command_; }
@@ -87,6 +96,7 @@ class Wheels {
   Wheel left_;
   Wheel right_;
   WheelSpeeds command_{};
+  WheelSpeeds turned_{};
   Pose pose_{};
   double wheel_base_mm_;
   double noise_mm_s_;

@@ -127,5 +127,76 @@ TEST(Charging, GoesOnWhileTheRobotIsOff) {
   EXPECT_EQ(text(robot.receive()).substr(0, 4), "bat:");
 }
 
+TEST(Charging, WaitsAndFailsWhereItIsToldTo) {
+  Robot robot;
+  robot.send({128});
+  robot.device.inputs().charger = true;
+  for (const auto& [trouble, state] :
+       {std::pair{ChargingTrouble::waiting, 4}, std::pair{ChargingTrouble::fault, 5}}) {
+    robot.device.battery().set_trouble(trouble);
+    const double before = robot.device.battery().charge_mah();
+    robot.wait(2s);
+    (void)robot.receive();
+    EXPECT_EQ(robot.ask({149, 2, 21, 34}), (Bytes{static_cast<std::uint8_t>(state), 1}));
+    EXPECT_LE(robot.device.battery().charge_mah(), before);
+    EXPECT_FALSE(robot.device.battery().charging()) << "pin 13 is low, and it prints nothing";
+    robot.wait(2s);
+    EXPECT_TRUE(robot.receive().empty());
+  }
+  robot.device.battery().set_trouble(ChargingTrouble::none);
+  robot.wait(100ms);
+  EXPECT_TRUE(robot.device.battery().charging());
+}
+
+TEST(Charging, HasNoTroubleWithoutASource) {
+  Robot robot;
+  robot.send({128});
+  robot.device.battery().set_trouble(ChargingTrouble::fault);
+  robot.to_tick();
+  EXPECT_EQ(robot.ask({142, 21}), (Bytes{0}));
+}
+
+TEST(BatteryPack, ForgetsEverythingWhenItIsChanged) {
+  Robot robot;
+  robot.send({128, 129, 5});
+  robot.wait(200ms);
+  robot.device.change_battery(BatteryPack::rechargeable);
+  EXPECT_EQ(robot.device.power(), Power::off);
+  EXPECT_EQ(robot.device.mode(), oi::Mode::off);
+  EXPECT_EQ(robot.device.battery().charge_mah(), 2696.0) << "it is full";
+  robot.device.press_power();
+  robot.wait(4s);
+  EXPECT_EQ(robot.device.baud(), 57600U);
+}
+
+// OI p. 19: packets 25 and 26 are inaccurate with it.
+TEST(BatteryPack, OfAlkalineCellsIsNotWhatThePacketsSay) {
+  Robot robot;
+  robot.device.change_battery(BatteryPack::alkaline);
+  robot.device.press_power();
+  robot.wait(4s);
+  (void)robot.receive();
+  robot.send({128});
+  const Bytes packets = robot.ask({149, 3, 22, 25, 26});
+  ASSERT_EQ(packets.size(), 6U);
+  EXPECT_NEAR(word(packets, 0), 18000, 100) << "twelve fresh cells";
+  EXPECT_EQ(word(packets, 4), 2696);
+  EXPECT_NEAR(word(packets, 2), 2696, 1);
+  EXPECT_NEAR(robot.device.battery().charge_mah(), 2000.0, 1.0);
+  robot.device.battery().set_charge_mah(0.0001);
+  robot.wait(100ms);
+  EXPECT_EQ(robot.device.power(), Power::off) << "with 696 mAh left by its own count";
+}
+
+TEST(BatteryPack, OfAlkalineCellsIsNotCharged) {
+  Robot robot;
+  robot.device.change_battery(BatteryPack::alkaline);
+  robot.device.battery().set_charge_mah(1000.0);
+  robot.device.inputs().charger = true;
+  robot.wait(60s);
+  EXPECT_LE(robot.device.battery().charge_mah(), 1000.0);
+  EXPECT_EQ(robot.device.battery().state(), ChargingState::fault);
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim

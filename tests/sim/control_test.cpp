@@ -157,6 +157,61 @@ TEST(Control, TellsTheWholeState) {
   }
 }
 
+TEST(Control, ShowsThePinsOfTheCargoBay) {
+  Controlled robot;
+  robot.to_tick();
+  const double vpwr_mv = robot.state("vpwr_mv");
+  EXPECT_NEAR(vpwr_mv, 15600.0, 100.0);
+  EXPECT_EQ(robot.state("switched_vpwr_mv"), vpwr_mv);
+  const auto shows = [&robot](const std::string& part) {
+    return robot.say("state").find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(shows("\"pins\":{\"charging\":false,\"switched_5v\":true,"));
+  EXPECT_EQ(robot.say("charger on"), "ok");
+  robot.to_tick();
+  EXPECT_TRUE(shows("\"pins\":{\"charging\":true,\"switched_5v\":true,"));
+  EXPECT_EQ(robot.say("power"), "ok");
+  EXPECT_TRUE(shows("\"pins\":{\"charging\":true,\"switched_5v\":false,"));
+  EXPECT_GT(robot.state("vpwr_mv"), 15000.0) << "the battery itself";
+  EXPECT_EQ(robot.state("switched_vpwr_mv"), 0.0);
+}
+
+TEST(Control, ShowsWhatFlowsThroughTheDrivers) {
+  Controlled robot;
+  robot.send({128, 132, 138, 4});
+  EXPECT_EQ(robot.say("overcurrent ld2 on"), "ok");
+  robot.to_tick();
+  EXPECT_NE(robot.say("state").find("\"low_side_driver\":[0,0,128],"
+                                    "\"low_side_driver_ma\":[0,0,1600]"),
+            std::string::npos);
+}
+
+TEST(Control, TurnsTheWheelsByHand) {
+  Controlled robot;
+  robot.send({128});
+  EXPECT_EQ(robot.say("turn-wheels -100 -100"), "ok");
+  robot.wait(2s);
+  EXPECT_EQ(robot.say("turn-wheels 0 0"), "ok");
+  EXPECT_LT(robot.state("x_mm"), -150.0);
+  EXPECT_GT(word(robot.ask({142, 19}), 0), 150) << "counted up";
+}
+
+TEST(Control, HindersChargingAndChangesTheBattery) {
+  Controlled robot;
+  EXPECT_EQ(robot.say("charger on"), "ok");
+  for (const auto& [trouble, state] :
+       {std::pair{"waiting", 4.0}, std::pair{"fault", 5.0}, std::pair{"normal", 2.0}}) {
+    EXPECT_EQ(robot.say(std::string{"charging "} + trouble), "ok");
+    robot.to_tick();
+    EXPECT_EQ(robot.state("charging_state"), state) << trouble;
+  }
+  EXPECT_EQ(robot.say("battery-pack alkaline"), "ok");
+  EXPECT_NE(robot.say("state").find("\"battery_pack\":\"alkaline\""), std::string::npos);
+  EXPECT_NE(robot.say("state").find("\"powered\":false"), std::string::npos);
+  EXPECT_EQ(robot.say("battery-pack rechargeable"), "ok");
+  EXPECT_NE(robot.say("state").find("\"battery_pack\":\"rechargeable\""), std::string::npos);
+}
+
 TEST(Control, MakesThingsGoWrong) {
   Controlled robot;
   EXPECT_EQ(robot.say("fault jitter 5\r"), "ok");
@@ -195,6 +250,14 @@ TEST(Control, SaysWhatIsWrong) {
                           "brc on",
                           "battery",
                           "battery -1",
+                          "battery-pack",
+                          "battery-pack nuclear",
+                          "charging",
+                          "charging on",
+                          "charging fault now",
+                          "turn-wheels 1",
+                          "turn-wheels 1 1001",
+                          "turn-wheels 1 2 3",
                           "place 1 2",
                           "place a b c",
                           "place 1 2 3 4",

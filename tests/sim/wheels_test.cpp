@@ -166,5 +166,54 @@ TEST(Wheels, HoldStillWhileBlocked) {
   EXPECT_NEAR(wheels.speeds().right_mm_s, 180.0, 0.1);
 }
 
+// OI p. 16: "if the wheels are passively rotated in either direction, the distance is incremented".
+TEST(TurnedByHand, WheelsCountUpEitherWay) {
+  for (const double mm_s : {-100.0, 100.0}) {
+    Robot robot{ideal_wheels()};
+    robot.send({128, 132, 145, 0xff, 0x9c, 0xff, 0x9c});  // the last way was back
+    robot.wait(1s);
+    robot.send({145, 0, 0, 0, 0});
+    robot.wait(100ms);
+    (void)robot.ask({142, 2});
+    const double before_mm = robot.device.truth().pose.x_mm;
+    robot.device.turn_wheels({.left_mm_s = mm_s, .right_mm_s = mm_s});
+    robot.wait(2s);
+    robot.device.turn_wheels({});
+    robot.wait(100ms);
+    EXPECT_NEAR(robot.device.truth().pose.x_mm - before_mm, 2.0 * mm_s, 1.0);
+    EXPECT_NEAR(word(robot.ask({142, 19}), 0), 200, 2) << mm_s;
+  }
+}
+
+TEST(TurnedByHand, WheelsEndAWaitForADistance) {
+  Robot robot{ideal_wheels()};
+  robot.send({128, 156, 0, 100});
+  robot.wait(1s);
+  EXPECT_TRUE(robot.device.waiting());
+  robot.device.turn_wheels({.left_mm_s = -200.0, .right_mm_s = -200.0});
+  robot.wait(600ms);
+  EXPECT_FALSE(robot.device.waiting());
+}
+
+TEST(TurnedByHand, WheelsYieldToTheirMotors) {
+  Robot robot{ideal_wheels()};
+  robot.device.turn_wheels({.left_mm_s = 300.0, .right_mm_s = 300.0});
+  robot.send({128, 132, 145, 0xff, 0x9c, 0xff, 0x9c});
+  robot.wait(100ms);
+  EXPECT_NEAR(robot.device.truth().speeds.left_mm_s, -100.0, 1e-6);
+  robot.send({128});
+  robot.wait(100ms);
+  EXPECT_NEAR(robot.device.truth().speeds.left_mm_s, 300.0, 1e-6) << "the hand is still there";
+}
+
+TEST(TurnedByHand, WheelsTurnARobotThatIsOff) {
+  Parameters parameters = ideal_wheels();
+  parameters.power_on = PowerOn::never;
+  Robot robot{parameters};
+  robot.device.turn_wheels({.left_mm_s = 0.0, .right_mm_s = 100.0});
+  robot.wait(1s);
+  EXPECT_GT(robot.device.truth().pose.heading_rad, 0.3);
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim
