@@ -42,6 +42,10 @@ pulses on the Baud Rate Change (BRC) pin, or holding Play while switching on, st
 Baud changes the rate until the robot is switched off; the next byte may follow after 100 ms. At
 115200 the robot needs 200 us from the beginning of one byte to the beginning of the next.
 
+How long a rate holds depends on how it was set. Play held: until the robot is switched off. Baud:
+the same. The pulses: until the battery is lost, the power button does not end it. A Baud command
+ends each of them.
+
 )";
 
 constexpr std::string_view kModesText = R"(
@@ -55,7 +59,7 @@ constexpr std::string_view kModesText = R"(
 | Full | 3 | everything, and watches nothing |
 
 Safe and Full end charging. The robot changes the mode by itself, so Cargobay streams `oi_mode` with
-every frame and believes nothing else.
+every frame and believes nothing else. No command leads to Off; Cargobay leaves a robot in Passive.
 
 ## Commands
 
@@ -71,14 +75,18 @@ constexpr std::string_view kCommandNotesText = R"(
   clockwise on the spot, 1 counter-clockwise.
 - **LEDs.** Play is bit 1, Advance is bit 3; other bits mean nothing and are refused.
 - **Song** stores, so it works in Passive; **Play Song** sounds, so it does not, and is ignored while
-  a song plays. A note outside 31 to 127 is a rest. In text a note may also be named: `c4` is 60,
+  a song plays. A song that is stored under the number of the one that plays is for the next Play. A note outside 31 to 127 is a rest. In text a note may also be named: `c4` is 60,
   `f#5` and `bb3` are others.
+- **Query List** is answered whole, however long: 255 times `group_6` are 13260 bytes, 2.3 s at 57600.
+  Until then the robot obeys nothing else and sends no frame.
 - **Stream** replaces the list; a list of length 0 ends the stream. **Pause/Resume Stream** keeps it.
 - **Script.** The length counts bytes; 0 clears. **Show Script** answers with the length and the
-  bytes, and halts the stream until it is resumed.
+  bytes, and halts the stream until it is resumed. A script cannot hold a script: Cargobay refuses to
+  send one. A robot would play it.
 - **The Wait commands** make the robot deaf until their time, distance, angle or event has come. They
   are meant for scripts. The negative of an event waits until it is over; the
-  text form writes `no_bump` for that of `bump`. Wait Distance and Wait Angle reset `distance` and `angle`.
+  text form writes `no_bump` for that of `bump`. Wait Distance and Wait Angle reset `distance` and `angle`;
+  0 is reached at once.
 - A command cut short makes the robot take whatever comes next for its data.
 )";
 
@@ -138,6 +146,31 @@ constexpr std::string_view kContradictionsText = R"(
 | 14 | straight is 32768 or 32767 | `80 00` is sent, both are read |
 | 15 | Wait commands are for scripts only, and are listed as commands | the library refuses them outside a script; the virtual Create obeys and is deaf, as a robot is |
 | 16 | Query List takes 0 to 255 packets, Stream 0 to 43 | as written; a stream must also fit n and 15 ms |
+| 17 | a mode command leads to each of the four modes (p. 6), none leads to Off | off is off: the power button, pin 3, the battery |
+| 18 | note 32 is 51.0 Hz (p. 12) | it is 51.9 Hz, as its octaves say; the wire carries the number, so nothing depends on it |
+| 19 | 19200 by pulses holds until the processor loses its battery (p. 5), a Baud command's rate until the power button (p. 7) | as written, each its own |
+| 20 | the rate follows the level of the BRC pin (p. 20), and three pulses set it (p. 5) | pulses; packet 32 shows the level |
+| 21 | pins 10, 11 and 12 have 1.5 A each, or in all (p. 4) | in all: a power supply is chosen by the smaller number |
+| 22 | Safe switches the LEDs off (p. 7), Safe and Full both do (p. 6) | both do, each time: LEDs are set after the mode |
+| 23 | nothing reaches a robot that waits (p. 15), yet it can wait for Passive mode (p. 16), which in Safe a hazard brings | Safe is on guard during a wait too |
+| 24 | Passive keeps what the actuators do (p. 6), yet a hazard stops all motors | Passive stops wheels and low side drivers, whatever led to it, and keeps the rest; Cargobay stops the wheels before |
+| 25 | `distance` is negative backward (p. 18), and counts up either way if the wheels are turned by hand (p. 16) | both: the direction is not measured, it is that of the motors |
+)";
+
+constexpr std::string_view kOpenText = R"(
+## Where the manual says nothing
+
+What Cargobay does on its side of the line; what the virtual Create takes a robot to do is in
+`docs/virtual-create.md`. Nothing of the following is needed to drive one.
+
+| open | Cargobay |
+|---|---|
+| data out of range: clamped, masked or ignored by the robot | not sent |
+| a demo above 9, a packet above 42, alone or in a list | not sent. How many bytes a robot answers for such a packet, nobody knows: a list with one cannot be read |
+| a script of more than 100 bytes, a song of more than 16 notes, a stream of more than 43 packets | not sent |
+| BRC pulses: the longest gap, the latest time, more than three | three, 250 ms apart, 2 s after power-on, and the rate is verified |
+| "moving forward" (p. 6): as commanded, or in truth | as commanded; what slows down or is pushed over an edge is not held back by Safe |
+| the Home Base in Safe, which only the charger's plug ends | no charging until Passive |
 )";
 
 constexpr std::string_view kRobotsText = R"(
@@ -349,7 +382,7 @@ std::string protocol_page() {
   add_states(page);
   page << kStreamText;
   add_frame_lengths(page);
-  page << kContradictionsText << kRobotsText;
+  page << kContradictionsText << kOpenText << kRobotsText;
   add_extensions(page);
   return std::move(page).text();
 }
