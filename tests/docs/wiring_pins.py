@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""The drawing of the robot's connectors has each pin where the manual has it (OI p. 4).
+"""The drawing of the robot's connectors has each pin where the manual has it (OI p. 4), and the text
+below it the manual's circuits at the others (p. 10, 11, 20, 23).
 
 usage: wiring_pins.py [ROOT]
        wiring_pins.py --self-test
 
 Reads the texts of docs/wiring-connectors.svg in their order: a pin's number and then its label, the
-table of signals with its columns, and what is said of supplies. Prints what is wrong, exit status 1.
+table of signals with its columns, and what is said of supplies; and docs/wiring.md for what belongs
+to each pin. Prints what is wrong, exit status 1.
 """
 
 import pathlib
@@ -28,6 +30,22 @@ SIGNALS = [
 SAID = [
     "pins 5, 6, 7 lie towards the rim", "RXD is the robot’s input, TXD its output",
     "switched 5 V out (100 mA)", "pin 9: 0.5 A", "pins 10 to 12: 1.5 A",
+]
+
+# By docs/wiring.md: what a line that begins so says.
+CIRCUITS = [
+    ("| 19, 7, 20: digital outputs", "20 mA"),
+    ("| 19, 7, 20: digital outputs", "an LED with its resistor"),
+    ("| 19, 7, 20: digital outputs", "by a transistor only, 1 k to its base"),
+    ("| 17, 5, 18, 6: digital inputs", "a switch and 10 k"),
+    ("| 4: analog input", "a light dependent resistor and 10 k"),
+    ("| 22, 23: low side drivers 0, 1", "0.5 A each"),
+    ("| 22, 23: low side drivers 0, 1", "the load between Vpwr (10 to 12) and the pin"),
+    ("| 24: low side driver 2", "1.5 A"),
+    ("- **A motor, relay or valve needs a diode**", "1N4001"),
+    ("- **An IR LED for Send IR**", "driver 1 (pin 23"),
+    ("- **An IR LED for Send IR**", "in series with a resistor"),
+    ("- **An IR LED for Send IR**", "preload resistor, 100 ohm"),
 ]
 
 
@@ -57,8 +75,15 @@ def faults(drawing):
     return wrong
 
 
-def self_test(drawing):
-    failures = [f"complains of what is sound: {what}" for what in faults(drawing)]
+def missing_circuits(text):
+    # A table's row, or an entry of a list with the lines that go on.
+    lines = re.sub(r"\n  (?=\S)", " ", text).splitlines()
+    return [f"docs/wiring.md does not say {words!r} at {begin!r}" for begin, words in CIRCUITS
+            if not any(line.startswith(begin) and words in line for line in lines)]
+
+
+def self_test(drawing, text):
+    failures = [f"complains of what is sound: {what}" for what in faults(drawing) + missing_circuits(text)]
     planted = 0
     for label in sorted(set(DB25.values()) | set(MINI_DIN.values())):
         planted += 1
@@ -68,6 +93,10 @@ def self_test(drawing):
         planted += 1
         if not faults(drawing.replace(words, "?")):
             failures.append(f"{words!r} left out is not seen")
+    for begin, words in CIRCUITS:
+        planted += 1
+        if not missing_circuits(re.sub(r"\n  (?=\S)", " ", text).replace(words, "?")):
+            failures.append(f"{words!r} left out at {begin!r} is not seen")
     print("\n".join(f"FAILED: {failure}" for failure in failures) or f"all {planted} planted faults are found")
     return 1 if failures else 0
 
@@ -77,10 +106,11 @@ def main(arguments):
     if arguments and arguments != ["--self-test"]:
         root = pathlib.Path(arguments[0])
     drawing = (root / "docs/wiring-connectors.svg").read_text(encoding="utf-8")
+    text = (root / "docs/wiring.md").read_text(encoding="utf-8")
     if arguments == ["--self-test"]:
-        return self_test(drawing)
-    wrong = faults(drawing)
-    print("\n".join(wrong) or f"{len(DB25) + len(MINI_DIN)} pins, each where the manual has it")
+        return self_test(drawing, text)
+    wrong = faults(drawing) + missing_circuits(text)
+    print("\n".join(wrong) or f"{len(DB25) + len(MINI_DIN)} pins, each where the manual has it, and what belongs to them")
     return 1 if wrong else 0
 
 

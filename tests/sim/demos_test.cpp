@@ -155,30 +155,6 @@ TEST(Demos, PachelbelPlaysTheCanonInItsOrder) {
   }
 }
 
-// What the four cliff sensors, left to right, play.
-Bytes banjo_chord(bool bump_left, bool bump_right) {
-  Demonstrating robot{9};
-  robot.device.inputs().bump_left = bump_left;
-  robot.device.inputs().bump_right = bump_right;
-  Bytes notes;
-  for (CliffSensor Inputs::* sensor : {&Inputs::cliff_left, &Inputs::cliff_front_left,
-                                       &Inputs::cliff_front_right, &Inputs::cliff_right}) {
-    (robot.device.inputs().*sensor).cliff = true;
-    robot.to_tick();
-    notes.push_back(robot.device.sounding());
-    (robot.device.inputs().*sensor).cliff = false;
-  }
-  return notes;
-}
-
-TEST(Demos, BanjoChoosesItsChordByTheBumper) {
-  const Bytes d_major_7{57, 61, 62, 66};  // A C# D F#
-  EXPECT_EQ(banjo_chord(false, false), (Bytes{55, 59, 62, 67})) << "G major: G B D G";
-  EXPECT_EQ(banjo_chord(true, false), d_major_7);
-  EXPECT_EQ(banjo_chord(false, true), d_major_7);
-  EXPECT_EQ(banjo_chord(true, true), (Bytes{55, 60, 64, 67})) << "C major: G C E G";
-}
-
 TEST(Buttons, StartAndEndTheDemoSelected) {
   Robot robot;
   robot.send({128});

@@ -140,7 +140,7 @@ TEST(OutputsOfTheManual, HaveABitEach) {  // OI p. 10
 struct DemoRobot : Robot {
   explicit DemoRobot(std::uint8_t number) : Robot{ideal_wheels()} {
     send({128, 136, number});
-    wait(100ms);
+    wait(200ms);  // the beep at Start is over
   }
   // Of the circle that the wheels are told to drive; 0 in place.
   double radius_mm() const {
@@ -242,15 +242,19 @@ std::set<int> pitches(const std::array<int, 4>& notes) {
 }
 
 TEST(DemosOfTheManual, BanjoHasANoteForEachCliffSensor) {  // OI p. 8
-  for (const auto& [left, right] : {std::pair{false, false}, {true, true}}) {
+  for (const auto& [left, right] :
+       {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
     const std::array<int, 4> notes = chord(left, right);
     EXPECT_EQ(std::set<int>(notes.begin(), notes.end()).size(), 4U);
     EXPECT_GE(*std::min_element(notes.begin(), notes.end()), 31);
   }
 }
 
-TEST(DemosOfTheManual, BanjoPlaysGMajorAndCMajor) {  // OI p. 8
+TEST(DemosOfTheManual, BanjoPlaysGMajorDMajor7AndCMajor) {  // OI p. 8
   EXPECT_EQ(pitches(chord(false, false)), (std::set<int>{7, 11, 2})) << "G, B, D";
+  for (const auto& [left, right] : {std::pair{true, false}, {false, true}}) {
+    EXPECT_EQ(pitches(chord(left, right)), (std::set<int>{2, 6, 9, 1})) << "D, F#, A, C#";
+  }
   EXPECT_EQ(pitches(chord(true, true)), (std::set<int>{0, 4, 7})) << "C, E, G";
 }
 
