@@ -2,7 +2,7 @@
 # Makes each system call on the port fail once, at a random call, and puts the table of what became
 # of the robots into docs/reliability.md, between its marks.
 # usage: tests/faults/campaign.sh [RUNS] [SEED]
-# Builds what it needs of the dev preset. 10 000 runs unless told: about an hour.
+# Builds what it needs of the dev preset. 10 000 runs unless told: half an hour on two cores.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
