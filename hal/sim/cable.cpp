@@ -33,6 +33,10 @@ std::size_t Cable::send(std::span<const std::uint8_t> bytes) {
   return sent;
 }
 
+bool Cable::send(std::uint8_t byte, std::uint32_t baud, rt::Duration spacing) {
+  return to_robot_.push(now(), byte, baud, spacing);
+}
+
 rt::Duration Cable::next_event() const {
   rt::Duration next = now() + device_->until_next_event();
   if (const auto held = to_robot_faults_.next()) next = std::min(next, *held);

@@ -40,6 +40,8 @@ class Cable {
 
   // Queues bytes from the host, in their order at the host's rate; returns how many had room.
   std::size_t send(std::span<const std::uint8_t> bytes);
+  // The same for one at a rate that was the host's, and so long behind the one before it.
+  bool send(std::uint8_t byte, std::uint32_t baud, rt::Duration spacing);
   std::size_t send_room() const { return to_robot_.room(); }
   // When the last of them has left.
   rt::Duration sent_at() const { return to_robot_.free_at(); }

@@ -1,13 +1,18 @@
-// A pseudo-terminal tells what rate it is set to, not which bytes were written before it was. A
-// host that sends Baud and sets its port at once would be taken to have sent it at the new rate.
+// A pseudo-terminal tells what rate it is set to, not which bytes were written before it was; and
+// those come late, in pieces. A host that sends Baud and sets its port at once would be taken to
+// have sent it at the new rate.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "oi/baud.hpp"
 #include "oi/commands.hpp"
+#include "rt/clock.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -21,5 +26,63 @@ constexpr std::size_t sent_before_change(std::span<const std::uint8_t> bytes, st
   }
   return 0;
 }
+
+// From a change of the host's rate until it is known what was sent before: keeps what comes.
+class RateChange {
+ public:
+  static constexpr std::size_t kMostBytes = 512;
+
+  // The host has changed its rate, with a robot that listened at the former one. `last` is the last
+  // byte that came before.
+  void begin(std::uint32_t former, std::uint32_t baud, std::uint8_t last, rt::TimePoint now) {
+    *this = RateChange{};
+    last_ = last;
+    former_ = former;
+    baud_ = baud;
+    began_at_ = now;
+  }
+  bool under_way() const { return former_ != 0; }
+  std::uint32_t former() const { return former_; }
+  std::uint32_t baud() const { return baud_; }
+  // Of so much room for all that is kept in the end, what is left.
+  std::size_t room(std::size_t in_all) const {
+    return std::min(in_all, kept_.size()) - std::min(size_, std::min(in_all, kept_.size()));
+  }
+  // No more than there is room for.
+  void keep(std::span<const std::uint8_t> bytes, rt::TimePoint now) {
+    if (size_ == 0) kept_since_ = now;
+    for (const std::uint8_t byte : bytes) kept_[size_++] = byte;
+  }
+  std::span<const std::uint8_t> kept() const { return std::span{kept_}.first(size_); }
+  // Of what is kept, so much was sent at the former rate.
+  std::size_t before() const {
+    const std::size_t whole = sent_before_change(kept(), baud_);
+    if (whole > 0 || size_ == 0) return whole;
+    const std::array<std::uint8_t, 2> cut{last_, kept_[0]};
+    return sent_before_change(cut, baud_) / 2;
+  }
+
+  // When it is to be decided by: at once with a Baud command, else when the rest of one would have
+  // come. A host that sent one waits for 100 ms (OI p. 7).
+  rt::TimePoint decided_at() const {
+    if (before() > 0 || size_ == kept_.size()) return kept_since_;
+    if (size_ == 0) return began_at_ + kPause;
+    const bool in_baud = kept_[size_ - 1] == oi::Baud::kOpcode;
+    return kept_since_ + (in_baud ? kPause : kPieces);
+  }
+  void end() { former_ = 0; }
+
+ private:
+  static constexpr rt::Duration kPause = std::chrono::milliseconds{100};
+  static constexpr rt::Duration kPieces = std::chrono::milliseconds{5};
+
+  std::uint32_t former_ = 0;  // 0: none is under way
+  std::uint32_t baud_ = 0;
+  std::uint8_t last_ = 0;
+  rt::TimePoint began_at_{};
+  rt::TimePoint kept_since_{};
+  std::array<std::uint8_t, kMostBytes> kept_{};
+  std::size_t size_ = 0;
+};
 
 }  // namespace cargobay::hal::sim

@@ -50,6 +50,7 @@ class RingBuffer {
   }
   const T& front() const { return (*this)[0]; }
   const T& back() const { return (*this)[size_ - 1]; }
+  T& back() { return (*this)[size_ - 1]; }
 
  private:
   std::size_t wrapped(std::size_t index) const {

@@ -16,7 +16,6 @@
 
 #include "hal/masked_thread.hpp"
 #include "hal/sim/left_behind.hpp"
-#include "hal/sim/rate_change.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -26,6 +25,8 @@ namespace {
 constexpr rt::Duration kLongestLag = std::chrono::seconds{1};
 // What is caught up in one piece: less than fills the room for bytes at the fastest rate.
 constexpr rt::Duration kCatchUpPiece = std::chrono::milliseconds{50};
+// Between two looks for writes, where their spacing matters: half of it.
+constexpr rt::Duration kLookForWrites = oi::kByteSpacingAt115200 / 2;
 
 }  // namespace
 
@@ -94,6 +95,9 @@ std::string Server::path() const {
 void Server::lose_descriptors() {
   port_->disown();
   port_.reset();
+  change_.end();
+  if (spacing_) spacing_->writes.disown();
+  spacing_.reset();
   lost_.store(true,
               std::memory_order_relaxed);  // those who read it tolerate it late, or join first
   stopping_.store(true, std::memory_order_relaxed);
@@ -120,8 +124,37 @@ rt::TimePoint Server::step() {
   if (port_) port_->update_clients(rt::Clock::now());
   catch_up(rt::Clock::now());
   if (port_) take_from_host();
-  const rt::TimePoint next = monotonic(cable_.next_batch(options_.batch_bytes));
-  return port_ ? std::min(next, port_->clients().next_update()) : next;
+  watch_spacing();
+  rt::TimePoint next = monotonic(cable_.next_batch(options_.batch_bytes));
+  if (port_) next = std::min(next, port_->clients().next_update());
+  if (spacing_) next = std::min<rt::TimePoint>(next, rt::Clock::now() + kLookForWrites);
+  if (change_.under_way()) next = std::min(next, change_.decided_at());
+  return next;
+}
+
+void Server::watch_spacing() {
+  const std::uint32_t baud = change_.under_way() ? change_.former() : cable_.host_baud();
+  const bool matters = port_ && port_->clients().present() && oi::needs_spacing(device_.baud()) &&
+                       oi::needs_spacing(baud);
+  if (matters && !spacing_) spacing_.emplace(port_->device_path());
+  if (!matters) spacing_.reset();
+  if (spacing_) look_for_writes(false);
+}
+
+void Server::look_for_writes(bool bytes_came) {
+  const rt::TimePoint before = rt::Clock::now();
+  const bool written = spacing_->writes.any();
+  spacing_->times.look(before, rt::Clock::now(),
+                       written || (bytes_came && spacing_->times.empty()));
+}
+
+void Server::send(std::span<const std::uint8_t> bytes, std::uint32_t baud) {
+  if (spacing_) look_for_writes(!bytes.empty());
+  for (const std::uint8_t byte : bytes) {
+    last_sent_ = byte;
+    const bool spaced = spacing_ && spacing_->times.take();
+    cable_.send(byte, baud, spaced ? oi::kByteSpacingAt115200 : rt::Duration::zero());
+  }
 }
 
 void Server::catch_up(rt::TimePoint now) {
@@ -138,25 +171,45 @@ void Server::catch_up(rt::TimePoint now) {
 }
 
 void Server::take_from_host() {
-  const std::uint32_t baud = port_->host_baud();
-  std::array<std::uint8_t, 512> bytes{};
+  follow_rate(port_->host_baud());
+  std::array<std::uint8_t, RateChange::kMostBytes> bytes{};
   for (;;) {
-    const std::size_t room = std::min(bytes.size(), cable_.send_room());
+    std::size_t room = cable_.send_room();
+    if (change_.under_way()) room = change_.room(room);
     const std::size_t count =
-        room == 0 ? 0 : port_->read(std::span{bytes}.first(room), rt::Clock::now());
+        port_->read(std::span{bytes}.first(std::min(bytes.size(), room)), rt::Clock::now());
     if (count == 0) break;
     // They may have come since the robot was last brought up to now: early is never right.
     catch_up(rt::Clock::now());
     const std::span<const std::uint8_t> read{bytes.data(), count};
-    // Those in front of a change of rate went at the former one.
-    const std::size_t former = cable_.host_baud() == device_.baud() && baud != cable_.host_baud()
-                                   ? sent_before_change(read, baud)
-                                   : 0;
-    (void)cable_.send(read.first(former));  // there is room for all
-    cable_.set_host_baud(baud);
-    (void)cable_.send(read.subspan(former));
+    if (change_.under_way()) {
+      change_.keep(read, rt::Clock::now());
+      settle_rate();
+    } else {
+      send(read, cable_.host_baud());
+    }
   }
+  settle_rate();
+}
+
+void Server::follow_rate(std::uint32_t baud) {
+  const std::uint32_t former = cable_.host_baud();
+  if (baud == former) return;
+  end_rate_change();
   cable_.set_host_baud(baud);
+  if (former == device_.baud()) change_.begin(former, baud, last_sent_, rt::Clock::now());
+}
+
+void Server::settle_rate() {
+  if (change_.under_way() && rt::Clock::now() >= change_.decided_at()) end_rate_change();
+}
+
+void Server::end_rate_change() {
+  if (!change_.under_way()) return;
+  const std::size_t before = change_.before();
+  send(change_.kept().first(before), change_.former());  // there is room for all
+  send(change_.kept().subspan(before), change_.baud());
+  change_.end();
 }
 
 void Server::hand_to_host() {
@@ -226,6 +279,7 @@ void Server::unplug() {
   {
     const std::lock_guard lock{mutex_};
     port_.reset();
+    change_.end();
   }
   wake();
 }

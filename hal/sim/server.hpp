@@ -20,7 +20,10 @@
 #include "hal/sim/device.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/pty_port.hpp"
+#include "hal/sim/pty_writes.hpp"
+#include "hal/sim/rate_change.hpp"
 #include "hal/sim/ring_buffer.hpp"
+#include "hal/sim/write_times.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::hal::sim {
@@ -111,6 +114,14 @@ class Server {
   void catch_up(rt::TimePoint now);
   void take_from_host();
   void hand_to_host();
+  // Where the robot wants its bytes spaced: looks when the host writes them.
+  void watch_spacing();
+  void look_for_writes(bool bytes_came);
+  void send(std::span<const std::uint8_t> bytes, std::uint32_t baud);
+  // Of bytes that come when the host has changed its rate: which were sent before.
+  void follow_rate(std::uint32_t baud);
+  void settle_rate();
+  void end_rate_change();
   void wake();
   // Gives up what the program has closed, and ends the thread: the robot is out of reach.
   void lose_descriptors();
@@ -121,6 +132,15 @@ class Server {
   std::unique_ptr<PtyPort> port_;
   Device device_;
   Cable cable_;
+  // While a client has the port open at a rate that needs spacing.
+  struct Spacing {
+    explicit Spacing(const std::string& path) : writes{path} {}
+    PtyWrites writes;
+    WriteTimes times{oi::kByteSpacingAt115200};
+  };
+  std::optional<Spacing> spacing_{};
+  RateChange change_{};
+  std::uint8_t last_sent_ = 0;
   RingBuffer<TruthSample> truth_;
   ServerCounters counters_{};
   rt::TimePoint power_on_{};

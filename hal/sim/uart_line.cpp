@@ -3,10 +3,18 @@
 #include <algorithm>
 
 namespace cargobay::hal::sim {
+namespace {
 
-bool UartLine::push(rt::Duration now, std::uint8_t value, std::uint32_t baud) {
+constexpr rt::Duration kInstant{1};
+
+}  // namespace
+
+bool UartLine::push(rt::Duration now, std::uint8_t value, std::uint32_t baud,
+                    rt::Duration spacing) {
   if (flights_.full()) return false;
-  const rt::Duration start = std::max(now, free_at_);
+  rt::Duration start = std::max(now, free_at_);
+  if (spacing > rt::Duration::zero()) start = std::max(start, last_start_ + spacing);
+  last_start_ = start;
   const bool follows = start == free_at_ && baud == burst_baud_ && burst_bytes_ != 0;
   if (!follows) {
     burst_start_ = start;
@@ -34,6 +42,7 @@ std::optional<rt::Duration> UartLine::batch_arrival(std::size_t count) const {
 }
 
 std::optional<UartLine::Arrival> UartLine::pop(rt::Duration now, std::uint32_t baud) {
+  pass_over_glitches(now, baud);
   const std::optional<Sampled> next = sample(baud);
   if (!next || next->arrival.time > now) return std::nullopt;
   listen_from_ = next->listen_from;
@@ -50,6 +59,7 @@ void UartLine::cut_off(rt::Duration time) {
   if (free_at_ <= time) return;
   while (!flights_.empty() && flights_.back().end > time) flights_.pop_back();
   free_at_ = flights_.empty() ? time : flights_.back().end;
+  last_start_ = std::min(last_start_, free_at_);
   burst_bytes_ = 0;
 }
 
@@ -73,15 +83,14 @@ bool UartLine::level(rt::Duration time) const {
   return true;  // idle
 }
 
-// The first falling edge at or after the instant the receiver listens from.
-std::optional<rt::Duration> UartLine::falling_edge() const {
+std::optional<rt::Duration> UartLine::falling_edge(rt::Duration from) const {
   for (std::size_t i = 0; i < flights_.size(); ++i) {
     const Flight& flight = flights_[i];
-    if (flight.end <= listen_from_) continue;
-    if (flight.start >= listen_from_) return flight.start;
+    if (flight.end <= from) continue;
+    if (flight.start >= from) return flight.start;
     for (std::int64_t bit = 2; bit <= 8; ++bit) {
       const rt::Duration edge = flight.start + bit_time(bit, flight.baud);
-      if (edge < listen_from_ || level_in(flight, edge)) continue;
+      if (edge < from || level_in(flight, edge)) continue;
       if (level_in(flight, flight.start + bit_time(bit - 1, flight.baud))) return edge;
     }
   }
@@ -96,7 +105,8 @@ std::optional<UartLine::Sampled> UartLine::sample(std::uint32_t baud) const {
                      .listen_from = next.start + bit_time(19, 2 * baud)};
     }
   }
-  const std::optional<rt::Duration> edge = falling_edge();
+  std::optional<rt::Duration> edge = falling_edge(listen_from_);
+  while (edge && glitch(*edge, baud)) edge = falling_edge(*edge + kInstant);
   if (!edge) return std::nullopt;
   // In half bits from the edge: 3, 5 .. 17 are the middles of the data bits, 19 that of the stop.
   unsigned value = 0;
@@ -109,6 +119,20 @@ std::optional<UartLine::Sampled> UartLine::sample(std::uint32_t baud) const {
                              .value = static_cast<std::uint8_t>(value),
                              .framing_error = !level(stop)},
                  .listen_from = stop};
+}
+
+// A UART looks at the start bit once more in its middle: what is high again by then was none.
+bool UartLine::glitch(rt::Duration edge, std::uint32_t baud) const {
+  return level(edge + bit_time(1, 2 * baud));
+}
+
+void UartLine::pass_over_glitches(rt::Duration now, std::uint32_t baud) {
+  for (;;) {
+    const std::optional<rt::Duration> edge = falling_edge(listen_from_);
+    if (!edge || *edge + bit_time(1, 2 * baud) > now || !glitch(*edge, baud)) return;
+    listen_from_ = *edge + kInstant;
+    forget_past();
+  }
 }
 
 void UartLine::forget_past() {

@@ -30,9 +30,11 @@ class UartLine {
   // Room for `capacity` bytes that have not arrived.
   explicit UartLine(std::size_t capacity) : flights_{capacity} {}
 
-  // The byte leaves at `now` or, where others are leaving, behind them. False where the line has no
-  // room: the byte is lost. `now` never decreases; `baud` is not 0.
-  bool push(rt::Duration now, std::uint8_t value, std::uint32_t baud);
+  // The byte leaves at `now` or, where others are leaving, behind them, and no sooner than
+  // `spacing` after the beginning of the last. False where the line has no room: the byte is lost.
+  // `now` never decreases; `baud` is not 0.
+  bool push(rt::Duration now, std::uint8_t value, std::uint32_t baud,
+            rt::Duration spacing = rt::Duration::zero());
 
   std::size_t room() const { return flights_.capacity() - flights_.size(); }
   // When everything pushed so far has left.
@@ -68,12 +70,17 @@ class UartLine {
 
   static bool level_in(const Flight& flight, rt::Duration time);
   bool level(rt::Duration time) const;
-  std::optional<rt::Duration> falling_edge() const;
+  // The first at or after that.
+  std::optional<rt::Duration> falling_edge(rt::Duration from) const;
+  bool glitch(rt::Duration edge, std::uint32_t baud) const;
+  // Those that are over by `now`.
+  void pass_over_glitches(rt::Duration now, std::uint32_t baud);
   std::optional<Sampled> sample(std::uint32_t baud) const;
   void forget_past();
 
   RingBuffer<Flight> flights_;
   rt::Duration free_at_{0};
+  rt::Duration last_start_ = rt::Duration::min() / 2;
   rt::Duration burst_start_{0};  // bytes that follow each other closely are counted from here
   std::int64_t burst_bytes_ = 0;
   std::uint32_t burst_baud_ = 0;

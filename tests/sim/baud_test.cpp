@@ -140,5 +140,64 @@ TEST(RateChange, PutsABaudCommandAndWhatIsBeforeItAtTheFormerRate) {
   EXPECT_EQ(sent_before_change(Bytes{129, 7}, 12345), 0U);
 }
 
+TEST(RateChange, FindsABaudCommandThatComesInPieces) {
+  const rt::TimePoint begin{3600s};
+  RateChange change;
+  EXPECT_FALSE(change.under_way());
+  change.begin(115200, 57600, 0, begin);
+  ASSERT_TRUE(change.under_way());
+  EXPECT_EQ(change.decided_at(), begin + 100ms) << "what comes later was sent later";
+  rt::TimePoint now = begin + 20ms;
+  for (const std::uint8_t byte : Bytes{150, 0, 129}) {
+    change.keep(Bytes{byte}, now);
+    now += 1ms;
+    EXPECT_GT(change.decided_at(), now) << int{byte};
+  }
+  now += 50ms;
+  EXPECT_GT(change.decided_at(), now) << "a Baud command is never cut";
+  change.keep(Bytes{10}, now);
+  EXPECT_LE(change.decided_at(), now);
+  EXPECT_EQ(change.before(), 4U);
+  EXPECT_EQ(change.former(), 115200U);
+}
+
+TEST(RateChange, FindsABaudCommandThatHadBegun) {
+  const rt::TimePoint begin{3600s};
+  RateChange change;
+  change.begin(115200, 57600, 129, begin);
+  EXPECT_EQ(change.before(), 0U);
+  change.keep(Bytes{10, 128}, begin + 20ms);
+  EXPECT_LE(change.decided_at(), begin + 20ms);
+  EXPECT_EQ(change.before(), 1U);
+  change.begin(115200, 57600, 129, begin);
+  change.keep(Bytes{7}, begin + 20ms);
+  EXPECT_EQ(change.before(), 0U);
+}
+
+TEST(RateChange, KeepsWhatIsNoBaudCommandForAFewMillisecondsOnly) {
+  const rt::TimePoint begin{3600s};
+  RateChange change;
+  change.begin(57600, 19200, 0, begin);
+  change.keep(Bytes{128}, begin + 30ms);
+  EXPECT_EQ(change.decided_at(), begin + 35ms);
+  change.keep(Bytes{132}, begin + 33ms);
+  EXPECT_EQ(change.decided_at(), begin + 35ms);
+  EXPECT_EQ(change.before(), 0U);
+  EXPECT_EQ(change.kept().size(), 2U);
+}
+
+TEST(RateChange, KeepsNoMoreThanItHasRoomFor) {
+  const rt::TimePoint begin{3600s};
+  RateChange change;
+  change.begin(57600, 19200, 0, begin);
+  EXPECT_EQ(change.room(100), 100U);
+  change.keep(Bytes(60, 0), begin);
+  EXPECT_EQ(change.room(100), 40U);
+  EXPECT_EQ(change.room(50), 0U);
+  change.keep(Bytes(RateChange::kMostBytes - 60, 0), begin);
+  EXPECT_EQ(change.room(4096), 0U);
+  EXPECT_EQ(change.decided_at(), begin) << "at once";
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim

@@ -1,0 +1,32 @@
+#include "hal/sim/pty_writes.hpp"
+
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <array>
+
+#include "hal/port_descriptor.hpp"
+
+namespace cargobay::hal::sim {
+
+PtyWrites::PtyWrites(const std::string& path) {
+  const StandardNumbersTaken taken;
+  watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (watch_ >= 0 && inotify_add_watch(watch_, path.c_str(), IN_MODIFY) < 0) {
+    close(watch_);
+    watch_ = -1;
+  }
+}
+
+PtyWrites::~PtyWrites() {
+  if (watch_ >= 0) close(watch_);
+}
+
+bool PtyWrites::any() {
+  alignas(inotify_event) std::array<char, 1024> events{};
+  bool written = false;
+  while (watch_ >= 0 && read(watch_, events.data(), events.size()) > 0) written = true;
+  return written;
+}
+
+}  // namespace cargobay::hal::sim
