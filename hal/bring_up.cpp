@@ -24,22 +24,30 @@ using gpio::Level;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kFrameTimeout{300};  // a stream begins within a tick
+constexpr milliseconds kReplyTime{60};      // after the time on the wire
 constexpr milliseconds kModeTimeout{800};
 constexpr milliseconds kBootTime{3500};  // from the toggle until the robot listens
 constexpr milliseconds kBootMargin{2500};
 constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
 constexpr milliseconds kIndicatorTimeout{1000};
 constexpr milliseconds kSendTimeout{1000};
-constexpr std::uint32_t kTooFast = 115200;  // OI p. 7
-constexpr int kGoodFrames = 3;              // in the wanted mode, before the robot is believed
-constexpr int kAnswerFrames = 2;            // at some rate, before it is believed to be there
+constexpr int kGoodFrames = 3;    // in the wanted mode, before the robot is believed
+constexpr int kAnswerFrames = 2;  // at some rate, before it is believed to be there
+constexpr auto kPassive = static_cast<std::uint8_t>(oi::Mode::passive);
 constexpr int kMostToggles = 2;  // the first may have switched off a robot that was on and deaf
-constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands
-// What a robot may have been left at, the likely ones first.
-constexpr std::array<std::uint32_t, 3> kSearchedRates{57600, 19200, 115200};
-// Fits all of them.
-constexpr oi::StreamList kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
+constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands, of questions
+// What a robot may have been left at, the likeliest first: what it starts at, and what hosts use.
+constexpr std::array<std::uint32_t, 3> kLikelyRates{57600, 19200, 115200};
+// Slowest first: a robot makes nothing of zeros that come more slowly than it listens.
+constexpr std::array<std::uint32_t, 9> kOtherRates{300,  600,   1200,  2400, 4800,
+                                                   9600, 14400, 28800, 38400};
+constexpr std::uint32_t kLeastFreedRate = 2400;  // in two seconds
+constexpr std::size_t kChangeBytes = 5;          // Start, Pause Stream, Baud
+constexpr auto kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
     oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
+// At a rate that cannot carry a stream the robot is asked for this, by Query List.
+constexpr auto kAskedList = oi::list_of<oi::PacketId, oi::kMaxQueryPackets>(
+    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::oi_mode);
 
 std::string at_baud(std::uint32_t baud) { return "at " + std::to_string(baud) + " baud"; }
 
@@ -63,12 +71,13 @@ class BringUp {
   enum class Step : std::uint8_t {
     check_power,
     power_on,
-    greet,          // at the wanted rate
-    pulse,          // on the BRC pin
-    search,         // at the other rates
-    search_deeper,  // at all rates, freeing it from a half-sent command
-    listen,         // for one that boots, or prints that it is off or charging
-    change_rate,    // by the Baud command
+    greet,           // at the wanted rate
+    pulse,           // on the BRC pin
+    search,          // at the other rates, the likely ones first
+    search_deeper,   // at the likely rates, freeing it from a half-sent command
+    listen,          // for one that boots, or prints that it is off or charging
+    search_deepest,  // at the other rates, freeing it there too
+    change_rate,     // by the Baud command
     take_mode,
     done,
     failed,
@@ -83,6 +92,7 @@ class BringUp {
   Step search();
   Step search_deeper();
   Step listen();
+  Step search_deepest();
   Step change_rate();
   Step take_mode();
 
@@ -102,8 +112,12 @@ class BringUp {
   bool verify_pulsed();
   bool widths_good(const gpio::PlayReport& report) const;
 
-  // Whether frames of a stream come that was asked for just now.
+  bool spoke() const;
+  // Whether it answers: by a stream, or by replies if the rate cannot carry one.
   bool probe(std::uint32_t baud);
+  bool stirs(std::uint32_t baud);
+  bool streams(std::uint32_t baud);
+  bool replies(std::uint32_t baud);
   bool probe_freed(std::uint32_t baud);
   void note_silence(std::uint32_t baud) {
     heard_.push_back({.baud = baud, .heard = talk_.heard()});
@@ -154,6 +168,7 @@ BringUp::Step BringUp::take(Step step) {
     case Step::search: return search();
     case Step::search_deeper: return search_deeper();
     case Step::listen: return listen();
+    case Step::search_deepest: return search_deepest();
     case Step::change_rate: return change_rate();
     case Step::take_mode: return take_mode();
     case Step::done:
@@ -269,7 +284,13 @@ BringUp::Step BringUp::from(std::uint32_t baud) {
 
 BringUp::Step BringUp::search() {
   searched_ = true;
-  for (const std::uint32_t baud : kSearchedRates) {
+  for (const std::uint32_t baud : kLikelyRates) {
+    if (baud != wanted_ && probe(baud)) return from(baud);
+    if (talk_.over()) return Step::failed;
+  }
+  // At once: freeing it at a likely rate sends hundreds of bytes to a robot that is at another.
+  for (const std::uint32_t baud : kOtherRates) {
+    if (spoke() || listened_) break;  // in vain: it boots or charges, or was looked for before
     if (baud != wanted_ && probe(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
@@ -278,7 +299,7 @@ BringUp::Step BringUp::search() {
 
 BringUp::Step BringUp::search_deeper() {
   std::vector<std::uint32_t> rates{wanted_};
-  for (const std::uint32_t baud : kSearchedRates) {
+  for (const std::uint32_t baud : kLikelyRates) {
     if (baud != wanted_) rates.push_back(baud);
   }
   for (const std::uint32_t baud : rates) {
@@ -286,9 +307,23 @@ BringUp::Step BringUp::search_deeper() {
     if (talk_.over()) return Step::failed;
   }
   set_port(wanted_);
-  if (!listened_) return Step::listen;
+  return listened_ ? Step::search_deepest : Step::listen;
+}
+
+// Last, because few robots are there, and not where it takes seconds.
+BringUp::Step BringUp::search_deepest() {
   if (toggle_left()) return Step::power_on;
+  for (const std::uint32_t baud : kOtherRates) {
+    if (spoke() || talk_.over()) break;
+    if (baud != wanted_ && baud >= kLeastFreedRate && probe_freed(baud)) return from(baud);
+  }
+  set_port(wanted_);
   return give_up(BringUpTrouble::silent);
+}
+
+// It is off, boots or charges, at a rate that is known by that.
+bool BringUp::spoke() const {
+  return std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_text(); });
 }
 
 BringUp::Step BringUp::listen() {
@@ -312,7 +347,8 @@ BringUp::Step BringUp::change_rate() {
   talk_.pause(kModeChangeWait);
   talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
   talk_.send(oi::Baud{oi::baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
-  (void)stream_.drain(kSendTimeout);  // what did not leave is not obeyed: the probe will tell
+  // What did not leave is not obeyed: the probe will tell.
+  (void)stream_.drain(kSendTimeout + oi::wire_time(kChangeBytes, former));
   set_port(wanted_);
   if (!talk_.pause(oi::kBaudChangeWait + kModeChangeWait)) return Step::failed;
   if (probe(wanted_) || probe_freed(wanted_)) {
@@ -355,13 +391,42 @@ bool BringUp::probe(std::uint32_t baud) {
   tell("Start", at_baud(baud));
   talk_.send(oi::Start{});
   talk_.pause(kModeChangeWait);
+  const bool answers =
+      stirs(baud) && (oi::fits(list_at(baud), baud) ? streams(baud) : replies(baud));
+  if (!answers) note_silence(baud);
+  return answers;
+}
+
+// A robot at another rate makes other bytes of those it is sent, and commands of some: half a
+// Script, a demo. Of Start and this question, in any of its rates, it makes nothing (found by
+// trying all packets), so nothing else is sent where nobody answers.
+bool BringUp::stirs(std::uint32_t baud) {
+  for (int i = 0; i < kMostTries; ++i) {
+    talk_.send(oi::Sensors{oi::PacketId::wall});
+    if (!talk_.reply(1, oi::wire_time(3, baud) + kReplyTime).empty()) return true;
+  }
+  return false;
+}
+
+bool BringUp::streams(std::uint32_t baud) {
   tell("Stream", at_baud(baud));
   talk_.send(oi::Stream{list_at(baud)});
   last_ = talk_.listen(list_at(baud), oi::Mode::passive, kAnswerFrames, kFrameTimeout);
   if (last_.battery_mv != 0) report_.battery_mv = last_.battery_mv;
-  if (last_.in_mode >= kAnswerFrames) return true;
-  note_silence(baud);
-  return false;
+  return last_.in_mode >= kAnswerFrames;
+}
+
+bool BringUp::replies(std::uint32_t baud) {
+  tell("Query List", at_baud(baud));
+  talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
+  for (int i = 0; i < kAnswerFrames; ++i) {
+    talk_.send(oi::QueryList{kAskedList});
+    const std::vector<std::uint8_t> reply =
+        talk_.reply(kAskedList.size(), oi::wire_time(2 * kAskedList.size() + 5, baud) + kReplyTime);
+    if (reply.size() < kAskedList.size() || reply.front() != kPassive || reply.back() != kPassive)
+      return false;
+  }
+  return true;
 }
 
 bool BringUp::probe_freed(std::uint32_t baud) {
@@ -416,11 +481,6 @@ Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
 
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request) {
   if (request.left != nullptr) *request.left = Parting::standing;  // as it was: nothing is sent yet
-  if (stream.baud() == kTooFast) {
-    return Failure{
-        "at 115200 baud the robot drops bytes that follow within 200 us, and a command is sent "
-        "without such gaps; choose 57600"};
-  }
   if (!oi::fits(request.packets, stream.baud())) {
     return too_long(request.packets, stream.baud());
   }

@@ -60,9 +60,10 @@ struct BringUpReport {
 };
 
 // The stream's rate is the wanted one, and is set again at the end. In turn, as far as needed:
-// power on by the toggle; Start and Stream at the wanted rate; three pulses on the BRC pin, 2 s
-// after power-on, where 19200 is wanted and the pin is wired; a search at 57600, 19200 and 115200,
-// then once more after freeing the robot from a half-sent command; the Baud command; the mode. The
+// power on by the toggle; Start and a question at the wanted rate, and Stream where it is answered;
+// three pulses on the BRC pin, 2 s after power-on, where 19200 is wanted and the pin is wired; a
+// search at all rates, 57600, 19200 and 115200 first; once more after freeing the robot from a
+// half-sent command, which at 1200 baud or less is not tried; the Baud command; the mode. The
 // first readings of the stream, which may be junk, are consumed. Every pin is released at the end.
 // Blocks for 0.2 s where the robot answers at once, for up to 40 s where all has to be tried. After
 // a failure the robot was told to stop and go Passive; the failure says at which step it ended,

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 
+#include "oi/baud.hpp"
+
 namespace cargobay::hal {
 namespace {
 
-// The rates in the order they were tried, each once: "57600, 19200 and 115200 baud".
+// The rates in the order they were tried, each once: "57600, 19200 and 115200 baud"; or all.
 std::string rates(const std::vector<HeardAt>& heard) {
   std::vector<std::uint32_t> tried;
   for (const HeardAt& at : heard) {
     if (std::ranges::find(tried, at.baud) == tried.end()) tried.push_back(at.baud);
   }
+  if (tried.size() == oi::kBaudRates.size()) return "all its rates";
   std::string text;
   for (std::size_t i = 0; i < tried.size(); ++i) {
     if (i > 0) text += i + 1 == tried.size() ? " and " : ", ";
@@ -47,8 +50,8 @@ std::string no_answer(const BringUpFailure& why) {
     return "heard " + std::to_string(noise->heard.bytes) + " bytes at " +
            std::to_string(noise->baud) + " baud but no whole frame at " + rates(heard) +
            tried(why) +
-           "; the robot may run at another rate: switch it off and on, it starts at 57600; or "
-           "check ground, level shifter and that no console uses the port";
+           "; check ground, level shifter and that no console uses the port; or switch the robot "
+           "off and on";
   }
   return "the robot is silent at " + rates(heard) + tried(why) +
          "; is it switched on, its battery charged, and are TX and RX the right way round, behind "

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 
+#include "hal/spaced_stream.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal {
@@ -20,12 +21,17 @@ constexpr rt::Duration way_around(rt::Duration tick) { return tick * 2 / 15; }
 // What takes longer of our own work, which is microseconds, was kept from the processor.
 constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
+// Of one among others that are sent.
+rt::Duration time_of_byte(std::uint32_t baud) {
+  return sending_time(2, baud) - sending_time(1, baud);
+}
+
 // Zeros that fit between a frame and the command that answers it in the same tick.
 std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
-  const rt::Duration room =
-      tick - oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, baud) - way_around(tick);
+  const rt::Duration room = tick - oi::wire_time(kFrameBytes, baud) -
+                            sending_time(oi::kDriveDirectBytes, baud) - way_around(tick);
   const rt::Duration least = std::max(room, rt::Duration::zero());
-  const auto bytes = static_cast<std::size_t>(least / oi::wire_time(1, baud));
+  const auto bytes = static_cast<std::size_t>(least / time_of_byte(baud));
   return std::clamp(bytes, ControlCycle::kLongestOwnRest, Outgoing::kMostFill);
 }
 
@@ -34,8 +40,8 @@ std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
 std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
   constexpr std::size_t kOwn = oi::kDriveDirectBytes + 2 + kSignalsLeftList.size();
   constexpr std::size_t kMostSpare = kMostBacklog - kOwn;
-  const rt::Duration room = tick - oi::wire_time(kOwn, baud) - way_around(tick);
-  const auto bytes = std::max(room, rt::Duration::zero()) / oi::wire_time(1, baud);
+  const rt::Duration room = tick - sending_time(kOwn, baud) - way_around(tick);
+  const auto bytes = std::max(room, rt::Duration::zero()) / time_of_byte(baud);
   return std::min(static_cast<std::size_t>(bytes), kMostSpare);
 }
 
@@ -60,8 +66,8 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
       parameters_{parameters},
       tick_{std::llround(parameters.loop.estimator.tick_s * 1e9)},
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
-      command_time_{oi::wire_time(oi::kDriveDirectBytes, stream.baud())},
-      byte_time_{oi::wire_time(1, stream.baud())},
+      command_time_{sending_time(oi::kDriveDirectBytes, stream.baud())},
+      byte_time_{time_of_byte(stream.baud())},
       spare_bytes_{hal::spare_bytes(tick_, stream.baud())},
       most_fill_{most_fill(tick_, stream.baud())},
       loop_{parameters.loop},

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "hal/farewell.hpp"
+#include "hal/spaced_stream.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -33,7 +34,7 @@ bool carries(std::span<const std::uint8_t> frame, const oi::StreamList& packets)
 
 void Dialogue::resynchronise() {
   (void)complete_command(stream_, oi::kLongestRest);  // as send()
-  pause(oi::wire_time(oi::kLongestRest, stream_.baud()) + kSettle);
+  pause(sending_time(oi::kLongestRest, stream_.baud()) + kSettle);
 }
 
 std::span<const std::uint8_t> Dialogue::take(TimePoint deadline) {
@@ -92,6 +93,17 @@ FramesHeard Dialogue::listen(const oi::StreamList& packets, oi::Mode mode, int e
     });
   }
   return heard;
+}
+
+std::vector<std::uint8_t> Dialogue::reply(std::size_t bytes, rt::Duration timeout) {
+  std::vector<std::uint8_t> all;
+  const TimePoint until = stream_.now() + timeout;
+  while (!over() && stream_.now() < until && all.size() < bytes) {
+    const std::span<const std::uint8_t> come = take(until);
+    all.insert(all.end(), come.begin(), come.end());
+  }
+  all.resize(std::min(all.size(), bytes));
+  return all;
 }
 
 }  // namespace cargobay::hal

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gpio/pulse_player.hpp"
 #include "hal/byte_stream.hpp"
@@ -59,6 +60,9 @@ class Dialogue final : public gpio::PulseClock {
   // Until so many frames of the list in that mode came, or none did for too long.
   FramesHeard listen(const oi::StreamList& packets, oi::Mode mode, int enough,
                      rt::Duration timeout);
+
+  // The first `bytes` bytes that come, or what came of them within `timeout`.
+  std::vector<std::uint8_t> reply(std::size_t bytes, rt::Duration timeout);
 
   bool hung_up() const { return hung_up_; }
   bool cancelled() const { return was_cancelled_; }

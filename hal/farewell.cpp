@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "hal/spaced_stream.hpp"
 #include "hal/write_all.hpp"
 #include "oi/command_table.hpp"
 #include "oi/encode.hpp"
@@ -81,7 +82,7 @@ Parting say_farewell(ByteStream& stream, const Unfinished& unfinished) {
   taken = send(stream, oi::PauseResumeStream{oi::StreamState::pause}) && taken;
   if (unfinished.demo) taken = send(stream, oi::Demo{oi::DemoNumber::abort}) && taken;
   taken = send(stream, oi::Start{}) && taken;  // Passive: Safe and Full do not charge
-  const rt::Duration on_the_wire = oi::wire_time(unfinished.bytes + kLongest, stream.baud());
+  const rt::Duration on_the_wire = sending_time(unfinished.bytes + kLongest, stream.baud());
   taken = pause(stream, on_the_wire + kModeChangeWait) && taken;
   stream.discard_input();
   if (!send(stream, oi::Sensors{oi::PacketId::oi_mode})) return Parting::port_gone;

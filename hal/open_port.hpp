@@ -8,8 +8,9 @@
 
 namespace cargobay::hal {
 
-// A pseudo-terminal by open_pty(), which libserialport refuses; any other by open_serial(). Links,
-// such as /dev/serial0 or those under /dev/serial/by-id, are followed.
+// For a robot (hal/spaced_stream.hpp). A pseudo-terminal by open_pty(), which libserialport
+// refuses; any other by open_serial(). Links, such as /dev/serial0 or those under
+// /dev/serial/by-id, are followed.
 Result<OpenedPort> open_port(const std::string& path, std::uint32_t baud);
 
 }  // namespace cargobay::hal

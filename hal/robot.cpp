@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "hal/spaced_stream.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -18,7 +19,7 @@ namespace {
 // a little for the software.
 double input_delay_s(std::uint32_t baud) {
   constexpr rt::Duration kSoftware = std::chrono::microseconds{200};
-  return rt::seconds(oi::wire_time(kFrameBytes, baud) + oi::wire_time(oi::kDriveDirectBytes, baud) +
+  return rt::seconds(oi::wire_time(kFrameBytes, baud) + sending_time(oi::kDriveDirectBytes, baud) +
                      kSoftware);
 }
 

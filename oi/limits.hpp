@@ -24,7 +24,11 @@ inline constexpr std::size_t kMaxCommandBytes = 2 + kMaxQueryPackets;
 inline constexpr std::uint8_t kFrameHeader = 19;  // OI p. 14
 inline constexpr std::size_t kMaxFrameBytes = 2 + 255 + 1;
 
-inline constexpr std::chrono::milliseconds kBaudChangeWait{100};       // OI p. 7
-inline constexpr std::chrono::microseconds kByteSpacingAt115200{200};  // OI p. 7
+inline constexpr std::chrono::milliseconds kBaudChangeWait{100};  // OI p. 7
+
+// From the start of one byte sent to the robot to the start of the next, at its fastest rate; what
+// comes sooner is lost (OI p. 7).
+inline constexpr std::chrono::microseconds kByteSpacingAt115200{200};
+constexpr bool needs_spacing(std::uint32_t baud) { return baud >= 115200; }
 
 }  // namespace cargobay::oi

@@ -26,6 +26,13 @@ constexpr std::chrono::nanoseconds wire_time(std::size_t bytes, std::uint32_t ba
   return bit_time(bytes * kBitsPerByte, baud);
 }
 
+// The least time from the first start bit to the last stop bit of bytes that the robot is sent: at
+// 115200 baud with the spacing that it needs.
+constexpr std::chrono::nanoseconds command_time(std::size_t bytes, std::uint32_t baud) {
+  if (bytes == 0 || !needs_spacing(baud)) return wire_time(bytes, baud);
+  return static_cast<std::int64_t>(bytes - 1) * kByteSpacingAt115200 + wire_time(1, baud);
+}
+
 // Whole bytes that the line carries in one 15 ms tick, each way.
 constexpr std::size_t bytes_per_tick(std::uint32_t baud) {
   const auto tick_us = std::chrono::duration_cast<std::chrono::microseconds>(kTick).count();
@@ -71,7 +78,7 @@ constexpr std::chrono::nanoseconds pl011_delay(std::size_t frame, std::uint32_t 
 constexpr std::chrono::nanoseconds control_delay(std::size_t frame, std::uint32_t baud,
                                                  std::size_t half_fifo) {
   return wire_time(frame, baud) + pl011_delay(frame, baud, half_fifo) +
-         wire_time(kDriveDirectBytes, baud);
+         command_time(kDriveDirectBytes, baud);
 }
 
 }  // namespace cargobay::oi

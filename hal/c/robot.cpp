@@ -12,11 +12,11 @@
 #include "hal/c/text.hpp"
 #include "hal/config.hpp"
 #include "hal/file_place.hpp"
-#include "hal/forwarding_stream.hpp"
 #include "hal/open_port.hpp"
 #include "hal/output_file.hpp"
 #include "hal/port_descriptor.hpp"
 #include "hal/settings.hpp"
+#include "hal/spaced_stream.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::c {
@@ -137,7 +137,7 @@ int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& o
     link.discard_input();
     if (link.set_baud(baud)) return bad_argument("`baud` cannot be set");
     if (link.set_wake_threshold(1)) return bad_argument("the link cannot be set up");
-    stream = std::make_unique<hal::ForwardingStream>(link);  // the link stays the virtual Create's
+    stream = std::make_unique<hal::SpacedStream>(link);  // the link stays the virtual Create's
     return CARGOBAY_OK;
   }
   auto opened = hal::open_port(object.sim->server->path(), baud);

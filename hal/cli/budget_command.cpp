@@ -51,7 +51,7 @@ int budget(const BudgetOptions& options) {
   print_line("Fits", fits ? "yes" : "no");
   print_line("Frame on the wire", in_ms(oi::wire_time(frame, options.baud)));
   print_line("Drive Direct on the wire (5 bytes)",
-             in_ms(oi::wire_time(oi::kDriveDirectBytes, options.baud)));
+             in_ms(oi::command_time(oi::kDriveDirectBytes, options.baud)));
   for (const auto& [board, half_fifo] :
        {std::pair{"Pi 0 to 3 (wakes at 8 bytes)", oi::kPl011HalfFifoPi0To3},
         std::pair{"Pi 4 and 5 (wakes at 16 bytes)", oi::kPl011HalfFifoPi4And5}}) {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ctime>
 
 #include <fmt/format.h>
 
 #include "hal/cli/sensor_format.hpp"
+#include "hal/spaced_stream.hpp"
 #include "oi/encode.hpp"
-#include "oi/limits.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::cli {
@@ -23,13 +22,9 @@ constexpr std::chrono::milliseconds kQuiet{
 constexpr std::chrono::milliseconds kSettle{500};  // for a stream to end
 constexpr std::chrono::milliseconds kAnswer{400};  // beyond the time on the wire
 constexpr std::chrono::seconds kSendTimeout{2};
-constexpr std::size_t kUartFifo = 32;  // bytes that the driver counts as sent and are not
-constexpr std::size_t kLeastText = 4;  // characters that are not damage by chance
-
-void sleep_for(rt::Duration duration) {
-  const timespec pause = rt::as_timespec(duration);
-  nanosleep(&pause, nullptr);
-}
+constexpr std::size_t kQueuedBytes = 4096;  // at most, in the kernel
+constexpr std::size_t kUartFifo = 32;       // bytes that the driver counts as sent and are not
+constexpr std::size_t kLeastText = 4;       // characters that are not damage by chance
 
 }  // namespace
 
@@ -43,22 +38,13 @@ bool Conversation::interrupted() {
   return signal_.has_value() && !signals_ignored_;
 }
 
-bool Conversation::write(std::span<const std::uint8_t> bytes) {
+bool Conversation::send(std::span<const std::uint8_t> bytes) {
   const rt::TimePoint limit = port_.now() + kSendTimeout;
   while (!bytes.empty()) {
     const hal::ByteStream::Transfer transfer = port_.write(bytes);
     bytes = bytes.subspan(transfer.count);
     if (transfer.error != 0 || port_.now() > limit) return false;
-    if (!bytes.empty()) sleep_for(std::chrono::milliseconds{1});
-  }
-  return true;
-}
-
-bool Conversation::send(std::span<const std::uint8_t> bytes) {
-  if (port_.baud() < 115200) return write(bytes);
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    sleep_for(2 * oi::kByteSpacingAt115200);
-    if (!write(bytes.subspan(i, 1))) return false;
+    if (!bytes.empty()) port_.sleep(std::chrono::milliseconds{1});
   }
   return true;
 }
@@ -138,13 +124,14 @@ std::vector<std::uint8_t> Conversation::ask(std::span<const std::uint8_t> reques
     const auto pause = oi::encode(oi::PauseResumeStream{oi::StreamState::pause});
     if (!send(*pause)) return {};
   }
-  (void)listen(rt::Duration::zero());
+  (void)listen(asked_at_ + oi::kTick - port_.now());
   if (streaming) settle();
   // What is held of a frame that was cut off would take the next one's beginning for its own.
   while (decoder_.abandon() != oi::StreamDecoder::Outcome::nothing) {
   }
   take_text();
-  if (!send(request)) return {};
+  if (!all_left() || !send(request)) return {};
+  asked_at_ = port_.now();
   std::vector<std::uint8_t> reply = more_reply(reply_bytes);
   if (streaming && reply.size() == reply_bytes) {
     const auto resume = oi::encode(oi::PauseResumeStream{oi::StreamState::resume});
@@ -171,9 +158,19 @@ std::vector<std::uint8_t> Conversation::more_reply(std::size_t reply_bytes) {
   return reply;
 }
 
+bool Conversation::all_left() {
+  const rt::TimePoint limit =
+      port_.now() + kSendTimeout + hal::sending_time(kQueuedBytes, port_.baud());
+  while (!port_.drain(kSlice)) {
+    if (port_.now() >= limit || interrupted()) return false;
+    if (!listen(std::chrono::milliseconds{1})) return false;
+  }
+  return true;
+}
+
 bool Conversation::change_baud(std::uint32_t baud) {
-  if (!port_.drain(kSendTimeout)) return false;
-  sleep_for(oi::wire_time(kUartFifo, port_.baud()));
+  if (!all_left()) return false;
+  port_.sleep(oi::wire_time(kUartFifo, port_.baud()));
   if (port_.set_baud(baud)) return false;
   return listen(oi::kBaudChangeWait);
 }

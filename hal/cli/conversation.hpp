@@ -21,11 +21,11 @@ class Conversation {
   // Both outlive it.
   Conversation(hal::ByteStream& port, StopSignals& signals);
 
-  // False where the port did not take them within 2 s, or is gone. At 115200 baud the bytes keep
-  // their distance.
+  // False where the port did not take them within 2 s, or is gone.
   [[nodiscard]] bool send(std::span<const std::uint8_t> bytes);
   // Sends, and reads so many bytes: the reply, whole or as far as it came. A stream that runs is
-  // paused for it, as a reply has no frame to know it by.
+  // paused for it, as a reply has no frame to know it by. It waits until 15 ms after the last
+  // question: a robot is not asked more often (OI p. 13).
   std::vector<std::uint8_t> ask(std::span<const std::uint8_t> request, std::size_t reply_bytes);
   // The bytes that follow a reply.
   std::vector<std::uint8_t> more_reply(std::size_t reply_bytes);
@@ -47,8 +47,9 @@ class Conversation {
   void ignore_signals() { signals_ignored_ = true; }
 
  private:
-  bool write(std::span<const std::uint8_t> bytes);
   bool interrupted();
+  // Waits for it, as long as it takes at the rate.
+  bool all_left();
   void take(std::uint8_t byte);
   void take_text();
   void settle();
@@ -65,6 +66,7 @@ class Conversation {
   bool hung_up_ = false;
   bool signals_ignored_ = false;
   std::optional<int> signal_{};
+  rt::TimePoint asked_at_{};  // last
 };
 
 }  // namespace cargobay::cli

@@ -19,6 +19,7 @@
 #include "hal/farewell.hpp"
 #include "hal/guard/guard_port.hpp"
 #include "hal/guard_block.hpp"
+#include "hal/spaced_stream.hpp"
 #include "hal/tty_speed.hpp"
 #include "oi/baud.hpp"
 #include "oi/command_table.hpp"
@@ -163,9 +164,12 @@ std::size_t drop_backlog(std::size_t owed) {
 
 // In the middle of a bring-up the robot may be at another rate than the port.
 Parting say_farewell(GuardBlock& block) {
-  GuardPort port{block};
+  GuardPort terminal{block};
+  SpacedStream port{terminal};
   Unfinished unfinished{.bytes = drop_backlog(block.in_writing.load(std::memory_order_acquire)),
                         .demo = block.demo.load(std::memory_order_acquire)};
+  // What the program's SpacedStream kept is gone with it.
+  if (oi::needs_spacing(port.baud())) unfinished.bytes = oi::kLongestRest;
   const Parting parting = farewell(port, unfinished);
   if (parting != Parting::unconfirmed || block.driven) return parting;
   for (const std::uint32_t baud : {block.wanted_baud, oi::kDefaultBaud, oi::kBrcBaud}) {

@@ -226,7 +226,7 @@ std::string_view new_mode(ModeChange change) {
 void add_baud_rates(Page& page) {
   page << "| code | baud | bytes in 15 ms | a DriveDirect takes |\n|---|---|---|---|\n";
   for (std::size_t code = 0; code < kBaudRates.size(); ++code) {
-    const auto microseconds = wire_time(kDriveDirectBytes, kBaudRates[code]).count() / 1000;
+    const auto microseconds = command_time(kDriveDirectBytes, kBaudRates[code]).count() / 1000;
     page << "| " << static_cast<std::int64_t>(code) << " | " << kBaudRates[code] << " | "
          << static_cast<std::int64_t>(bytes_per_tick(kBaudRates[code])) << " | " << microseconds
          << " us |\n";

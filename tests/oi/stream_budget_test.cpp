@@ -13,6 +13,13 @@ namespace {
 using std::chrono::nanoseconds;
 using enum PacketId;
 
+TEST(CommandTime, HasTheSpacingThat115200Needs) {
+  EXPECT_EQ(command_time(0, 115200).count(), 0);
+  EXPECT_EQ(command_time(1, 115200), wire_time(1, 115200));
+  EXPECT_EQ(command_time(5, 115200), 4 * kByteSpacingAt115200 + wire_time(1, 115200));
+  EXPECT_EQ(command_time(5, 57600), wire_time(5, 57600));
+}
+
 TEST(StreamBudget, KnowsWhatATickCarries) {
   EXPECT_EQ(bytes_per_tick(57600), 86U);  // OI p. 14
   EXPECT_EQ(bytes_per_tick(19200), 28U);

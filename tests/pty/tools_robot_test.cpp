@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/server.hpp"
+#include "oi/limits.hpp"
+#include "rt/clock.hpp"
 #include "tests/pty/serial_client.hpp"
 #include "tests/pty/tools_process.hpp"
 
@@ -66,10 +68,24 @@ TEST_F(SendTool, PrintsReplies) {
             " 35  OI Mode                                 1 (passive)\n");
 }
 
+// A bound from below: nothing but the tool makes it slower.
+TEST_F(SendTool, AsksNoMoreOftenThanTheRobotTicks) {
+  constexpr int kQuestions = 20;
+  std::string commands = "start";
+  for (int i = 0; i < kQuestions; ++i) commands += "; sensors oi_mode";
+  const rt::TimePoint begin = rt::Clock::now();
+  const Outcome outcome = send({commands.c_str()});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_GE(rt::Clock::now() - begin, (kQuestions - 1) * oi::kTick);
+}
+
 TEST_F(SendTool, SaysWhenTheRobotIsSilent) {
-  EXPECT_THAT(error_of({"sensors 35"}),
-              HasSubstr("the robot does not answer at 57600 baud; is it switched on and connected, "
-                        "and is this its baud rate? If it is off, begin with: start"));
+  EXPECT_THAT(
+      error_of({"sensors 35"}),
+      HasSubstr(
+          "the robot does not answer at 57600 baud; is it switched on and connected, "
+          "and is this its baud rate? (`cargobay bringup` finds it at any) If it is off, begin "
+          "with: start"));
   EXPECT_THAT(error_of({"--baud", "19200", "start"}), HasSubstr("does not answer at 19200 baud"));
 }
 
