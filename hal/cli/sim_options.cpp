@@ -76,6 +76,12 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
   app.add_flag("--no-charging-text", options.no_charging_text,
                "Do not print a line of text each second while charging")
       ->group(kGroup);
+  app.add_option("--receiver-opening", options.parameters.receiver_opening_deg,
+                 "Degrees around the front from which infrared reaches its receiver: less than 360 "
+                 "is the tape that demos Home and Tag need")
+      ->check(in_range(1.0, hal::sim::kAllAroundDeg))
+      ->capture_default_str()
+      ->group(kGroup);
   app.add_option("--seed", options.parameters.seed, "Of all that is random in it")
       ->check(whole_number())
       ->capture_default_str()

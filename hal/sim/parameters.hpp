@@ -17,6 +17,7 @@ namespace cargobay::hal::sim {
 // Both kinds of robot exist (docs/protocol.md).
 enum class Remainder : std::uint8_t { carried, lost };
 
+inline constexpr double kAllAroundDeg = 360.0;
 inline constexpr rt::Duration kPowerOnTime = std::chrono::milliseconds{3500};  // deaf, booting
 
 struct WheelParameters {
@@ -50,6 +51,9 @@ struct Parameters {
   oi::Extensions extensions = oi::Extensions::off;
   PowerOn power_on = PowerOn::long_ago;
   bool charging_text = true;  // a line of text each second while it charges, among the replies
+  // How far around the infrared receiver sees, the front in the middle. Less than 360 is a receiver
+  // with tape over its back and sides, as demos Home and Tag ask for (OI p. 8).
+  double receiver_opening_deg = kAllAroundDeg;
   WheelParameters wheels{};
   BatteryParameters battery{};
 };

@@ -31,6 +31,7 @@ constexpr double kWallSignal = 4095.0;
 constexpr double kVirtualWallRangeMm = 2000.0;
 constexpr double kVirtualWallHalfDeg = 10.0;
 constexpr double kVirtualWallHaloMm = 100.0;  // around its housing
+constexpr double kVirtualWallRadiusMm = 40.0;
 constexpr double kBuoyRangeMm = 1500.0;
 constexpr double kForceFieldMm = 500.0;
 constexpr double kDockedMm = 40.0;
@@ -85,15 +86,17 @@ Point nearest(const Segment& segment, Point at) {
 // Calls visit(nearest point) for each thing that can be run into.
 template <typename Visit>
 void visit_nearest(const World& world, Point at, Visit&& visit) {
+  const auto visit_circle = [&](Point centre, double radius_mm) {
+    const Point away = at - centre;
+    const double distance = length(away);
+    visit(distance == 0.0 ? centre : centre + (radius_mm / distance) * away);
+  };
   for (const Segment& wall : world.walls) visit(nearest(wall, at));
   for (const Rectangle& box : world.boxes) {
     for (const Segment& edge : edges(box)) visit(nearest(edge, at));
   }
-  for (const Circle& post : world.posts) {
-    const Point away = at - post.centre;
-    const double distance = length(away);
-    visit(distance == 0.0 ? post.centre : post.centre + (post.radius_mm / distance) * away);
-  }
+  for (const Circle& post : world.posts) visit_circle(post.centre, post.radius_mm);
+  for (const Beam& wall : world.virtual_walls) visit_circle(wall.origin, kVirtualWallRadiusMm);
 }
 
 // How far along the ray the segment is; infinite where it is not met.
@@ -168,8 +171,17 @@ void sense_wall(const World& world, const Pose& pose, Inputs& inputs) {
   if (distance < kWallSeenMm) inputs.wall = true;
 }
 
-void sense_virtual_walls(const World& world, Point at, Inputs& inputs) {
+// Whether light from there comes in through the opening of the receiver.
+bool comes_in(const Pose& pose, Point from, double opening_deg) {
+  const double bearing_deg = angle_deg(from - Point{pose.x_mm, pose.y_mm});
+  const double off_deg = wrapped_deg(bearing_deg - pose.heading_rad * kDegreesPerRad);
+  return std::abs(off_deg) <= 0.5 * opening_deg;
+}
+
+void sense_virtual_walls(const World& world, const Pose& pose, double opening_deg, Inputs& inputs) {
+  const Point at{pose.x_mm, pose.y_mm};
   for (const Beam& beam : world.virtual_walls) {
+    if (!comes_in(pose, beam.origin, opening_deg)) continue;
     const Point away = at - beam.origin;
     const double distance = length(away) - kRobotRadiusMm;
     const double off_deg = wrapped_deg(angle_deg(away) - beam.heading_deg);
@@ -180,22 +192,36 @@ void sense_virtual_walls(const World& world, Point at, Inputs& inputs) {
   }
 }
 
-void sense_home_base(const World& world, const Pose& pose, Inputs& inputs) {
+// Of a buoy and the force field, what lights that place: bits of the infrared byte.
+std::uint8_t light_of_home_base(const World& world, Point at) {
+  const Beam& base = *world.home_base;
+  const Point away = at - base.origin;
+  const double distance = length(away) - kRobotRadiusMm;
+  if (distance >= std::max(kBuoyRangeMm, kForceFieldMm) || !in_sight(world, base.origin, at)) {
+    return 0;
+  }
+  const double off_deg = wrapped_deg(angle_deg(away) - base.heading_deg);
+  std::uint8_t light = 0;
+  if (distance < kForceFieldMm) light |= kForceField;
+  // Seen from the base, red is to its left and green to its right; in the middle both are.
+  const bool lit = distance < kBuoyRangeMm;
+  if (lit && off_deg > -kBuoyOverlapDeg && off_deg < kBuoyWideDeg) light |= kRedBuoy;
+  if (lit && off_deg < kBuoyOverlapDeg && off_deg > -kBuoyWideDeg) light |= kGreenBuoy;
+  return light;
+}
+
+void sense_home_base(const World& world, const Pose& pose, double opening_deg, Inputs& inputs) {
   if (!world.home_base) return;
   const Point at{pose.x_mm, pose.y_mm};
-  const Point away = at - world.home_base->origin;
-  const double distance = length(away) - kRobotRadiusMm;
-  const double off_deg = wrapped_deg(angle_deg(away) - world.home_base->heading_deg);
-  std::uint8_t seen = 0;
-  if (distance < kForceFieldMm) seen |= kForceField;
-  // Seen from the base, red is to its left and green to its right; in the middle both are.
-  const bool lit = distance < kBuoyRangeMm && in_sight(world, world.home_base->origin, at);
-  if (lit && off_deg > -kBuoyOverlapDeg && off_deg < kBuoyWideDeg) seen |= kRedBuoy;
-  if (lit && off_deg < kBuoyOverlapDeg && off_deg > -kBuoyWideDeg) seen |= kGreenBuoy;
+  const bool open = comes_in(pose, world.home_base->origin, opening_deg);
+  const std::uint8_t seen = open ? light_of_home_base(world, at) : std::uint8_t{0};
   if (seen != 0 && inputs.infrared == kNoInfrared) {
     inputs.infrared = static_cast<std::uint8_t>(kHomeBase + seen);
   }
   if ((seen & kForceField) != 0) inputs.virtual_wall = true;
+  const Point away = at - world.home_base->origin;
+  const double distance = length(away) - kRobotRadiusMm;
+  const double off_deg = wrapped_deg(angle_deg(away) - world.home_base->heading_deg);
   const double facing_deg =
       wrapped_deg(pose.heading_rad * kDegreesPerRad - (world.home_base->heading_deg + 180.0));
   if (distance < kDockedMm && std::abs(off_deg) < kDockedDeg && std::abs(facing_deg) < kDockedDeg) {
@@ -232,11 +258,11 @@ std::optional<Contact> World::collide(const Pose& pose) const {
   return contact;
 }
 
-void World::sense(const Pose& pose, Inputs& inputs) const {
+void World::sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg) const {
   sense_cliffs(*this, pose, inputs);
   sense_wall(*this, pose, inputs);
-  sense_virtual_walls(*this, {pose.x_mm, pose.y_mm}, inputs);
-  sense_home_base(*this, pose, inputs);
+  sense_virtual_walls(*this, pose, receiver_opening_deg, inputs);
+  sense_home_base(*this, pose, receiver_opening_deg, inputs);
 }
 
 void inhabit(Device& device, const World& world) {
@@ -251,7 +277,7 @@ void inhabit(Device& device, const World& world) {
       seen.bump_left = seen.bump_left || contact->left;
       seen.bump_right = seen.bump_right || contact->right;
     }
-    world.sense(pose, seen);
+    world.sense(pose, seen, robot.parameters().receiver_opening_deg);
   };
 }
 

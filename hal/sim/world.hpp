@@ -65,8 +65,9 @@ struct World {
 
   // Nothing where the robot touches nothing.
   std::optional<Contact> collide(const Pose& pose) const;
-  // Adds what a robot in that place would see; bumps are collide()'s.
-  void sense(const Pose& pose, Inputs& inputs) const;
+  // Adds what a robot in that place would see; bumps are collide()'s. Its infrared receiver sees so
+  // far around, the front in the middle.
+  void sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg = kAllAroundDeg) const;
 };
 
 // Puts the device at the start of the world and lets it live there. The world outlives the device.
