@@ -16,6 +16,8 @@ namespace cargobay::hal::sim {
 namespace {
 
 constexpr double kMarginMm = 200.0;
+constexpr double kMmPerPixel = 6.0;
+constexpr double kLegendMm = 260.0;  // two rows of it, below the floor
 constexpr double kFewestMm = 800.0;  // the least that is shown, each way
 constexpr double kGridMm = 500.0;
 constexpr double kPointApartMm = 5.0;
@@ -138,7 +140,9 @@ class Drawing {
 };
 
 void draw_floor(const Extent& extent, Drawing& drawing) {
-  drawing.rectangle({{extent.left(), extent.bottom()}, extent.width(), extent.height()}, "floor");
+  drawing.rectangle(
+      {{extent.left(), extent.bottom() - kLegendMm}, extent.width(), extent.height() + kLegendMm},
+      "floor");
   // A world of kilometres gets no more lines than one can tell apart.
   const double longest_mm = std::max(extent.width(), extent.height());
   const double grid_mm = kGridMm * std::ceil(longest_mm / (40.0 * kGridMm));
@@ -157,8 +161,9 @@ void draw_floor(const Extent& extent, Drawing& drawing) {
                 extent.right());
   }
   drawing.say("'/>\n");
-  drawing.add("<text x='%.0f' y='%.0f'>grid %g m</text>\n", extent.left() + 30.0,
-              -extent.bottom() - 30.0, grid_mm / 1000.0);
+  drawing.add("<text x='%.0f' y='%.0f'>%.1f by %.1f m, grid %g m</text>\n", extent.left() + 30.0,
+              -extent.bottom() - 30.0, (extent.width() - 2.0 * kMarginMm) / 1000.0,
+              (extent.height() - 2.0 * kMarginMm) / 1000.0, grid_mm / 1000.0);
 }
 
 void draw_home_base(const Beam& base, Drawing& drawing) {
@@ -218,18 +223,49 @@ void draw_robot(const Pose& pose, Drawing& drawing) {
   drawing.line(centre, rim(0.0), "ahead");
 }
 
+// What there is in this drawing, in as many columns as fit.
+void draw_legend(const World& world, std::span<const Waypoint> path, const Extent& extent,
+                 Drawing& drawing) {
+  constexpr double kColumnMm = 800.0;
+  double x_mm = extent.left() + 60.0;
+  double y_mm = extent.bottom() - 50.0;
+  const auto say = [&](const char* name, const char* text) {
+    if (x_mm + kColumnMm > extent.right() && y_mm > extent.bottom() - 100.0) {
+      x_mm = extent.left() + 60.0;
+      y_mm -= 110.0;
+    }
+    drawing.line({x_mm, y_mm}, {x_mm + 90.0, y_mm}, name);
+    drawing.circle({x_mm + 45.0, y_mm}, 28.0, name);
+    drawing.add("<text x='%.0f' y='%.0f'>%s</text>\n", x_mm + 120.0, down(y_mm) + 25.0, text);
+    x_mm += kColumnMm;
+  };
+  if (!path.empty()) {
+    say("path", "way of the robot");
+    say("bump", "bump");
+  }
+  if (!world.walls.empty()) say("wall", "wall");
+  if (world.home_base) say("base", "Home Base");
+  if (!world.virtual_walls.empty()) say("lamp", "virtual wall");
+  if (!world.cliffs.empty()) say("cliff", "no floor");
+}
+
 }  // namespace
 
 std::string draw(const World& world, std::span<const Waypoint> path) {
   const Extent extent = extent_of(world, path);
   Drawing drawing;
-  drawing.add("<svg xmlns='http://www.w3.org/2000/svg' viewBox='%.0f %.0f %.0f %.0f'>\n",
-              extent.left(), -extent.top(), extent.width(), extent.height());
+  const double height_mm = extent.height() + kLegendMm;
+  drawing.add(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' "
+      "viewBox='%.0f %.0f %.0f %.0f'>\n",
+      extent.width() / kMmPerPixel, height_mm / kMmPerPixel, extent.left(), -extent.top(),
+      extent.width(), height_mm);
   drawing.say(kStyle);
   draw_floor(extent, drawing);
   draw_world(world, drawing);
   draw_path(path, drawing);
   draw_robot(path.empty() ? world.start : path.back().pose, drawing);
+  draw_legend(world, path, extent, drawing);
   drawing.say("</svg>\n");
   return drawing.take();
 }
