@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 
 #include "oi/limits.hpp"
@@ -11,15 +12,14 @@ namespace cargobay::hal::sim {
 namespace {
 
 constexpr double kSpeedMmPerSec = 250.0;
-constexpr double kTurnMmPerSec = 120.0;
-constexpr double kBackOffMm = 50.0;
-constexpr double kDockingRunMm = 400.0;
+constexpr double kYieldMmPerSec = 120.0;
+constexpr double kBackOffMm = 60.0;
+constexpr rt::Duration kLeavesBaseAlone = std::chrono::seconds{20};
 
-constexpr WheelSpeeds straight(double mm_s) { return {mm_s, mm_s}; }
-constexpr WheelSpeeds turn_left(double mm_s) { return {-mm_s, mm_s}; }
-
-bool bumped(const Inputs& seen) { return seen.bump_left || seen.bump_right; }
-bool sees_home_base(const Inputs& seen) { return seen.infrared >= 242 && seen.infrared <= 254; }
+// Wimp.
+constexpr double kPushMm = 5.0;
+constexpr double kYieldMm = 500.0;
+constexpr rt::Duration kRolls = std::chrono::milliseconds{500};
 
 // The ground of the canon and its first voice, a note a cliff.
 constexpr std::array<std::uint8_t, 8> kCanon{78, 76, 74, 73, 71, 69, 71, 73};
@@ -34,16 +34,24 @@ void Demos::start(std::int32_t number, const View& view) {
   running_ = number >= 0 && number <= static_cast<std::int32_t>(oi::DemoNumber::banjo);
   number_ = running_ ? static_cast<oi::DemoNumber>(number) : oi::DemoNumber::abort;
   started_at_ = view.now;
+  docks_again_at_ = view.now;
+  gave_up_ = 0;
   turns_ = 0;
   played_ = 0;
   cliff_before_ = false;
-  enter(Phase::drive, view);
+  follows_ = false;
+  yields_ = false;
+  evasion_.stop();
+  cover_.start(view);
+  docking_.stop();
+  homing_.start(view);
+  begin(view);
 }
 
-void Demos::enter(Phase phase, const View& view) {
-  phase_ = phase;
-  phase_travelled_mm_ = view.travelled_mm;
-  phase_turned_deg_ = view.turned_deg;
+void Demos::begin(const View& view) {
+  since_ = view.now;
+  since_mm_ = view.travelled_mm;
+  since_deg_ = view.turned_deg;
 }
 
 Demos::Action Demos::step(const View& view) {
@@ -72,59 +80,31 @@ Demos::Action Demos::step(const View& view) {
 
 bool Demos::evade(const View& view, Action& action) {
   const Inputs& seen = *view.seen;
-  if (phase_ == Phase::drive) {
-    if (!bumped(seen) && !seen.any_cliff() && !seen.virtual_wall) return false;
+  if (!evasion_.active()) {
+    if (!bumped(seen) && !seen.any_cliff()) return false;
     // To the side away from the contact; each turn a little different, as if at random.
     ++turns_;
-    back_off_mm_ = kBackOffMm;
-    turn_deg_ = 60.0 + 37.0 * static_cast<double>(turns_ % 4);
-    const bool on_the_left = seen.bump_left || seen.cliff_left.cliff || seen.cliff_front_left.cliff;
-    if (on_the_left) turn_deg_ = -turn_deg_;
-    enter(Phase::back_off, view);
+    const double turn_deg = 60.0 + 37.0 * static_cast<double>(turns_ % 4);
+    evasion_.start(view, kBackOffMm, met_on_the_left(seen) ? -turn_deg : turn_deg);
   }
-  if (phase_ == Phase::back_off) {
-    action.wheels = straight(-kTurnMmPerSec);
-    if (phase_travelled_mm_ - view.travelled_mm >= back_off_mm_) enter(Phase::turn, view);
-    return true;
-  }
-  if (std::abs(view.turned_deg - phase_turned_deg_) >= std::abs(turn_deg_)) {
-    enter(Phase::drive, view);
-    return false;
-  }
-  action.wheels = turn_left(std::copysign(kTurnMmPerSec, turn_deg_));
-  return true;
+  return evasion_.step(view, action.wheels);
 }
 
+// "Identical to the Cover demo, with one exception": where it sees a Home Base, it docks (OI p. 8).
 Demos::Action Demos::cover(const View& view, bool docks) {
-  Action action{};
-  if (view.seen->home_base || view.seen->charger) {
-    action.over = true;
-    return action;
+  const Inputs& seen = *view.seen;
+  if (seen.home_base || seen.charger) return {.over = true};
+  const bool again = view.now >= docks_again_at_ || (gave_up_ < 3 && sees_both_buoys(seen));
+  if (docks && !docking_.active() && sees_home_base(seen) && again) {
+    docking_.start(view);
   }
-  const std::uint8_t infrared = view.seen->infrared;
-  if (docks && sees_home_base(*view.seen) && phase_ == Phase::drive && !bumped(*view.seen)) {
-    // Red is to the right of the way in, green to the left. Where it sees both it is in the middle,
-    // and already turns the other way than it came, or it would cross from side to side for ever.
-    const bool near = (infrared & 0b10U) != 0;
-    const double inner = near ? -0.2 : 0.3;
-    const bool red = (infrared & 0b1000U) != 0;
-    const bool green = (infrared & 0b100U) != 0;
-    if (red != green) came_from_red_ = red;
-    const bool to_the_left = red != green ? red : !came_from_red_;
-    const double left = to_the_left ? inner : 1.0;
-    const double right = to_the_left ? 1.0 : inner;
-    action.wheels = {left * kTurnMmPerSec, right * kTurnMmPerSec};
-    return action;
+  if (!docking_.active()) return {.wheels = cover_.step(view)};
+  const Action action{.wheels = docking_.step(view)};
+  if (!docking_.active()) {
+    // From elsewhere it may do better, and walls lead there; longer each time.
+    docks_again_at_ = view.now + ++gave_up_ * kLeavesBaseAlone;
+    cover_.start_along_walls(view);
   }
-  const bool missed = docks && sees_home_base(*view.seen) && phase_ == Phase::drive;
-  const bool evades = evade(view, action);
-  if (missed && phase_ == Phase::back_off) {
-    // Straight back, for another try.
-    back_off_mm_ = kDockingRunMm;
-    turn_deg_ = 0.0;
-  }
-  if (evades) return action;
-  action.wheels = straight(kSpeedMmPerSec);
   return action;
 }
 
@@ -146,21 +126,17 @@ Demos::Action Demos::spot(const View& view) {
 
 // Straight to a wall, then along it with the wall on the right.
 Demos::Action Demos::mouse(const View& view) {
-  Action action{};
   const Inputs& seen = *view.seen;
-  if (bumped(seen)) enter(Phase::align, view);
-  if (seen.any_cliff() || phase_ == Phase::back_off || phase_ == Phase::turn) {
-    if (evade(view, action)) return action;
+  if (!follows_ && (bumped(seen) || seen.any_cliff() || seen.virtual_wall)) {
+    follows_ = true;
+    follower_.start(view);
   }
-  if (phase_ == Phase::align) {
-    const double turned_deg = view.turned_deg - phase_turned_deg_;
-    action.wheels = turned_deg < 20.0 ? turn_left(kTurnMmPerSec)
-                    : seen.wall       ? straight(kSpeedMmPerSec)
-                                      : WheelSpeeds{kSpeedMmPerSec, 0.7 * kSpeedMmPerSec};
-    return action;
+  if (follows_ && follower_.lost()) {
+    follows_ = false;
+    begin(view);
   }
-  action.wheels = straight(kSpeedMmPerSec);
-  return action;
+  if (follows_) return {.wheels = follower_.step(view)};
+  return {.wheels = steer(kSpeedMmPerSec, since_deg_ - view.turned_deg)};
 }
 
 // A circle to the left, one to the right, and so on.
@@ -170,9 +146,9 @@ Demos::Action Demos::figure_eight(const View& view) {
     action.over = true;
     return action;
   }
-  if (std::abs(view.turned_deg - phase_turned_deg_) >= 360.0) {
+  if (std::abs(view.turned_deg - since_deg_) >= 360.0) {
     ++turns_;
-    enter(Phase::drive, view);
+    begin(view);
   }
   const double outer = kSpeedMmPerSec;
   const double inner = 0.4 * kSpeedMmPerSec;
@@ -180,48 +156,42 @@ Demos::Action Demos::figure_eight(const View& view) {
   return action;
 }
 
-// Waits to be pushed: what moves the wheels moves it on. Backs off from what it meets.
+// Stands until it is pushed, which turns its wheels, and then drives on for a while; away from what
+// it meets.
 Demos::Action Demos::wimp(const View& view) {
   Action action{};
-  if (bumped(*view.seen)) ++turns_;
-  if (phase_ != Phase::drive || bumped(*view.seen) || view.seen->any_cliff()) {
-    if (evade(view, action)) return action;
+  if (evade(view, action)) {
+    yields_ = true;
+    begin(view);
+    return action;
   }
-  const bool pushed = view.travelled_mm - phase_travelled_mm_ > 5.0;
-  if (pushed && view.travelled_mm - phase_travelled_mm_ < 500.0)
-    action.wheels = straight(kTurnMmPerSec);
-  if (view.travelled_mm - phase_travelled_mm_ >= 500.0) enter(Phase::drive, view);
+  const double gone_mm = view.travelled_mm - since_mm_;
+  if (yields_) {
+    if (gone_mm < kYieldMm) {
+      action.wheels = steer(kYieldMmPerSec, since_deg_ - view.turned_deg);
+      return action;
+    }
+    yields_ = false;
+    begin(view);
+    return action;
+  }
+  if (view.now - since_ < kRolls) {
+    since_mm_ = view.travelled_mm;  // still from its own driving
+  } else if (gone_mm > kPushMm) {
+    yields_ = true;
+    begin(view);
+  }
   return action;
 }
 
-// Turns until it sees a virtual wall, drives there, and stops where it meets something; Tag turns
-// around and looks for the next.
+// Home stops where it meets something, Tag turns around and looks for the next wall.
 Demos::Action Demos::home(const View& view, bool goes_on) {
-  Action action{};
-  if (phase_ == Phase::drive && bumped(*view.seen)) {
-    if (!goes_on) {
-      action.over = true;
-      return action;
-    }
-    turn_deg_ = 180.0;
-    enter(Phase::back_off, view);
+  const Inputs& seen = *view.seen;
+  if (homing_.on_its_way() && (bumped(seen) || seen.any_cliff())) {
+    if (!goes_on) return {.over = true};
+    homing_.turn_around(view);
   }
-  if (phase_ == Phase::back_off || phase_ == Phase::turn) {
-    if (phase_ == Phase::back_off) {
-      action.wheels = straight(-kTurnMmPerSec);
-      if (phase_travelled_mm_ - view.travelled_mm >= kBackOffMm) enter(Phase::turn, view);
-      return action;
-    }
-    if (std::abs(view.turned_deg - phase_turned_deg_) < turn_deg_) {
-      action.wheels = turn_left(kTurnMmPerSec);
-      return action;
-    }
-    enter(Phase::drive, view);
-  }
-  if (view.seen->any_cliff()) return action;
-  action.wheels =
-      view.seen->virtual_wall ? straight(kSpeedMmPerSec) : turn_left(0.5 * kTurnMmPerSec);
-  return action;
+  return {.wheels = homing_.step(view)};
 }
 
 Demos::Action Demos::pachelbel(const View& view) {

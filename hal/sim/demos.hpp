@@ -4,8 +4,11 @@
 
 #include <cstdint>
 
-#include "hal/sim/inputs.hpp"
-#include "hal/sim/wheels.hpp"
+#include "hal/sim/cover.hpp"
+#include "hal/sim/demo_view.hpp"
+#include "hal/sim/docking.hpp"
+#include "hal/sim/homing.hpp"
+#include "hal/sim/wall_follower.hpp"
 #include "oi/commands.hpp"
 #include "rt/clock.hpp"
 
@@ -13,18 +16,8 @@ namespace cargobay::hal::sim {
 
 class Demos {
  public:
-  // What a demo sees and knows.
-  struct View {
-    rt::Duration now{};
-    const Inputs* seen = nullptr;
-    double travelled_mm = 0.0;  // by the encoders, since power-on
-    double turned_deg = 0.0;
-  };
-  struct Action {
-    WheelSpeeds wheels{};
-    std::uint8_t note = 0;  // MIDI number that sounds; 0 for silence
-    bool over = false;      // the demo has come to its end
-  };
+  using View = DemoView;
+  using Action = DemoAction;
 
   // A number that is no demo, as -1, ends the one that runs.
   void start(std::int32_t number, const View& view);
@@ -36,8 +29,6 @@ class Demos {
   Action step(const View& view);
 
  private:
-  enum class Phase : std::uint8_t { drive, back_off, turn, align };
-
   Action cover(const View& view, bool docks);
   Action spot(const View& view);
   Action mouse(const View& view);
@@ -46,22 +37,28 @@ class Demos {
   Action home(const View& view, bool goes_on);
   Action pachelbel(const View& view);
   Action banjo(const View& view) const;
-  // Backs off, then turns away; true while that lasts.
+  // Away from what it meets; true while that lasts.
   bool evade(const View& view, Action& action);
-  void enter(Phase phase, const View& view);
+  void begin(const View& view);
 
   bool running_ = false;
   oi::DemoNumber number_ = oi::DemoNumber::abort;
-  Phase phase_ = Phase::drive;
+  Cover cover_{};
+  Docking docking_{};
+  Homing homing_{};
+  WallFollower follower_{};
+  Evasion evasion_{};
   rt::Duration started_at_{0};
-  double phase_travelled_mm_ = 0.0;
-  double phase_turned_deg_ = 0.0;
-  double back_off_mm_ = 0.0;
-  double turn_deg_ = 0.0;     // of the turn under way, positive to the left
+  rt::Duration docks_again_at_{0};  // until then it leaves the base alone
+  std::uint32_t gave_up_ = 0;       // attempts to dock
+  bool follows_ = false;            // has found a wall
+  bool yields_ = false;             // was pushed
+  double since_mm_ = 0.0;           // when what it does began
+  double since_deg_ = 0.0;
+  rt::Duration since_{0};
   std::uint32_t turns_ = 0;   // so far: the next differs from the last
   std::uint32_t played_ = 0;  // notes of the canon so far
   bool cliff_before_ = false;
-  bool came_from_red_ = false;  // into the middle between the buoys
 };
 
 }  // namespace cargobay::hal::sim

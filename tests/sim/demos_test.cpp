@@ -120,12 +120,27 @@ TEST(Demos, FigureEightTurnsBothWays) {
 TEST(Demos, HomeTurnsUntilItSeesAVirtualWall) {
   Demonstrating robot{6};
   EXPECT_LT(robot.device.commanded().left_mm_s, 0.0);
+  const auto turned_rad = [&robot] { return robot.device.truth().pose.heading_rad; };
+  const double came_rad = turned_rad();
   robot.device.inputs().virtual_wall = true;
-  robot.to_tick();
+  robot.wait(1s);
+  EXPECT_LT(robot.device.commanded().left_mm_s, 0.0) << "on, until it is out of sight again";
+  const double left_rad = turned_rad();
+  robot.device.inputs().virtual_wall = false;
+  robot.wait(1s);
   EXPECT_GT(robot.device.commanded().left_mm_s, 0.0);
+  EXPECT_NEAR(turned_rad(), 0.5 * (came_rad + left_rad), 0.1) << "in the middle between the two";
   robot.device.inputs().bump_right = true;
   robot.to_tick();
   EXPECT_FALSE(robot.device.demos().running());
+}
+
+TEST(Demos, HomeDrivesOnAsItStandsWithoutTheTape) {
+  Demonstrating robot{6};
+  robot.device.inputs().virtual_wall = true;
+  robot.wait(20s);
+  EXPECT_GT(robot.device.commanded().left_mm_s, 0.0);
+  EXPECT_NEAR(robot.device.commanded().left_mm_s, robot.device.commanded().right_mm_s, 5.0);
 }
 
 TEST(Demos, PachelbelPlaysANoteACliff) {

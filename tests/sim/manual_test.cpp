@@ -205,15 +205,19 @@ TEST(DemosOfTheManual, WimpDrivesAwayFromWhatItMeets) {  // OI p. 8
 
 TEST(DemosOfTheManual, TagTurnsAroundWhereItBumps) {  // OI p. 8
   DemoRobot robot{7};
+  // In sight for a second of its turn: it drives there.
   robot.device.inputs().virtual_wall = true;
-  robot.to_tick();
+  robot.wait(1s);
+  robot.device.inputs().virtual_wall = false;
+  robot.wait(1s);
   EXPECT_GT(robot.device.commanded().left_mm_s, 0.0);
+  EXPECT_GT(robot.device.commanded().right_mm_s, 0.0);
   robot.device.inputs().bump_left = true;
   robot.device.inputs().bump_right = true;
   robot.to_tick();
   const double before = robot.device.truth().pose.heading_rad;
   robot.device.inputs() = {};
-  robot.wait(4500ms);
+  robot.wait(8s);
   EXPECT_TRUE(robot.device.demos().running());
   EXPECT_GT(std::abs(robot.device.truth().pose.heading_rad - before), 3.0);
 }

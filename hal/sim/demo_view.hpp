@@ -1,0 +1,84 @@
+// What a demo sees and does, and the movements that demos are made of. Nothing here or in a demo
+// knows more than the robot's own sensors tell.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "hal/sim/inputs.hpp"
+#include "hal/sim/wheels.hpp"
+#include "oi/limits.hpp"
+#include "rt/clock.hpp"
+
+namespace cargobay::hal::sim {
+
+struct DemoView {
+  rt::Duration now{};
+  const Inputs* seen = nullptr;
+  double travelled_mm = 0.0;  // by the encoders, since power-on
+  double turned_deg = 0.0;
+};
+
+struct DemoAction {
+  WheelSpeeds wheels{};
+  std::uint8_t note = 0;  // MIDI number that sounds; 0 for silence
+  bool over = false;      // the demo has come to its end
+};
+
+constexpr WheelSpeeds straight(double mm_s) { return {mm_s, mm_s}; }
+constexpr WheelSpeeds turn_left(double mm_s) { return {-mm_s, mm_s}; }
+
+// Around a centre at that distance to the left, or to the right if it is negative.
+constexpr WheelSpeeds arc(double mm_s, double radius_mm) {
+  const double part = 0.5 * oi::kWheelBaseMm / radius_mm;
+  return {mm_s * (1.0 - part), mm_s * (1.0 + part)};
+}
+
+// Straight on, and back to a heading that is so far to the left.
+inline WheelSpeeds steer(double mm_s, double left_deg) {
+  constexpr double kPartPerDeg = 0.02;
+  const double part = std::clamp(kPartPerDeg * left_deg, -0.6, 0.6);
+  return {mm_s * (1.0 - part), mm_s * (1.0 + part)};
+}
+
+inline double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+inline bool bumped(const Inputs& seen) { return seen.bump_left || seen.bump_right; }
+inline bool bumped_both(const Inputs& seen) { return seen.bump_left && seen.bump_right; }
+inline bool met_on_the_left(const Inputs& seen) {
+  return seen.bump_left || seen.cliff_left.cliff || seen.cliff_front_left.cliff;
+}
+// Any of the bytes 242 to 254: a buoy, the force field, or some of them together.
+inline bool sees_home_base(const Inputs& seen) {
+  return seen.infrared >= 242 && seen.infrared <= 254;
+}
+inline bool sees_both_buoys(const Inputs& seen) {
+  return seen.infrared == 252 || seen.infrared == 254;
+}
+
+// Back for so far, then around on the spot. With no way back it first lets the wheels come to rest:
+// the encoders cannot see which way they coast.
+class Evasion {
+ public:
+  void start(const DemoView& view, double back_mm, double turn_deg);
+  void stop() { *this = {}; }
+  bool active() const { return phase_ != Phase::over; }
+  // Once more; false if it has ended, and `wheels` is not set.
+  bool step(const DemoView& view, WheelSpeeds& wheels);
+
+ private:
+  enum class Phase : std::uint8_t { over, brake, back, turn };
+
+  Phase phase_ = Phase::over;
+  double back_mm_ = 0.0;
+  double turn_deg_ = 0.0;  // positive to the left
+  rt::Duration began_at_{0};
+  double began_travelled_mm_ = 0.0;
+  double began_turned_deg_ = 0.0;
+  double turned_at_mm_ = -std::numeric_limits<double>::infinity();  // where it did so last
+};
+
+}  // namespace cargobay::hal::sim
