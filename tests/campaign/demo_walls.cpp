@@ -1,0 +1,154 @@
+// The demos that go to virtual walls and along walls: Home, Tag and Mouse.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tests/campaign/demo_run.hpp"
+
+namespace cargobay::campaign {
+
+using hal::sim::Beam;
+using hal::sim::Point;
+using hal::sim::Pose;
+using oi::DemoNumber;
+
+namespace {
+
+constexpr double kReaches = 0.95;  // of the starts from which nothing is in the way
+constexpr double kFollows = 0.95;  // of the circumference, on average
+
+constexpr double kTouchesMm = 165.0 + 40.0 + 60.0;  // from the robot to the lamp, 60 mm between
+
+// Nothing that a robot would run into on its way straight to the lamp.
+bool way_is_free(const RandomRoom& room, Point from, Point lamp, double begin_mm) {
+  const Pose start{from.x_mm, from.y_mm, 0.0};
+  const double whole_mm = distance_mm(start, lamp);
+  constexpr double kStepMm = 25.0;
+  const auto steps = static_cast<int>(std::ceil((whole_mm - kTouchesMm - begin_mm) / kStepMm)) - 1;
+  for (int i = 0; i < steps; ++i) {
+    const double part = (begin_mm + i * kStepMm) / whole_mm;
+    const Pose pose{start.x_mm + part * (lamp.x_mm - start.x_mm),
+                    start.y_mm + part * (lamp.y_mm - start.y_mm), 0.0};
+    if (room.world.collide(pose)) return false;
+  }
+  return true;
+}
+
+// From the start to each wall, and from one wall to the other.
+bool ways_are_free(const RandomRoom& room) {
+  const auto& lamps = room.world.virtual_walls;
+  const Point start{room.world.start.x_mm, room.world.start.y_mm};
+  return std::all_of(lamps.begin(), lamps.end(), [&](const Beam& lamp) {
+    return way_is_free(room, start, lamp.origin, 0.0) &&
+           std::all_of(lamps.begin(), lamps.end(), [&](const Beam& other) {
+             return way_is_free(room, other.origin, lamp.origin, kTouchesMm);
+           });
+  });
+}
+
+struct Reached {
+  std::size_t starts = 0;
+  std::size_t free = 0;  // nothing was in the way to any of the walls
+  std::size_t reached = 0;
+  double longest_s = 0.0;
+};
+
+void reach(const Options& options, DemoNumber demo, std::string_view name, std::uint64_t seed,
+           Reached& reached) {
+  const RandomRoom room =
+      random_room(seed, demo == DemoNumber::home ? Furnished::for_home : Furnished::for_tag);
+  const auto& lamps = room.world.virtual_walls;
+  ++reached.starts;
+  if (!ways_are_free(room)) return;
+  ++reached.free;
+  Run run{room, demo, robot(seed, 30.0)};
+  std::vector<bool> touched(lamps.size(), false);
+  const auto all = [&] { return std::count(touched.begin(), touched.end(), false) == 0; };
+  while (!all() && !run.over() && run.time_s() < 180.0) {
+    run.step();
+    for (std::size_t i = 0; i < lamps.size(); ++i) {
+      if (distance_mm(run.pose(), lamps[i].origin) < kTouchesMm) touched[i] = true;
+    }
+  }
+  run.draw(options, name, seed);
+  if (all()) {
+    ++reached.reached;
+    reached.longest_s = std::max(reached.longest_s, run.time_s());
+    return;
+  }
+  std::fprintf(stderr, "%s, seed %llu: not reached, %.0f s\n", std::string{name}.c_str(),
+               static_cast<unsigned long long>(seed), run.time_s());
+}
+
+}  // namespace
+
+void run_homing(const Options& options, DemoNumber demo, const char* name, const char* label,
+                Promises& promises) {
+  Reached reached;
+  for (std::uint64_t seed = options.from; seed <= options.to; ++seed)
+    reach(options, demo, name, seed, reached);
+  std::printf(
+      "| %s | %zu starts that see a beam; from %zu the way is free. Of these, %.1f %% reach %s, "
+      "the slowest in %.0f s |\n",
+      label, reached.starts, reached.free, 100.0 * share(reached.reached, reached.free),
+      demo == DemoNumber::home ? "the wall" : "both walls", reached.longest_s);
+  promises.expect(name, share(reached.reached, reached.free), kReaches);
+}
+
+namespace {
+
+// Of the walls of the room, how much the robot has come along within 5 minutes; a room without
+// furniture, so that they are what it finds.
+double followed_share(const Options& options, std::uint64_t seed) {
+  RandomRoom room = random_room(seed, Furnished::for_home);
+  room.world.virtual_walls.clear();
+  room.world.boxes.clear();
+  room.world.posts.clear();
+  room.world.walls.resize(room.outline.size());
+  std::vector<Point> along;
+  for (const auto& wall : room.world.walls) {
+    for (int i = 0; i < 50; ++i) {
+      const double part = 0.02 * i;
+      along.push_back({wall.from.x_mm + part * (wall.to.x_mm - wall.from.x_mm),
+                       wall.from.y_mm + part * (wall.to.y_mm - wall.from.y_mm)});
+    }
+  }
+  const std::size_t whole = along.size();
+  Run run{room, DemoNumber::mouse, robot(seed, hal::sim::kAllAroundDeg)};
+  while (!run.over() && run.time_s() < 300.0) {
+    run.step();
+    const Pose pose = run.pose();
+    // A corner is passed at 1.4 times the robot's radius, and sharp ones farther.
+    along.erase(std::remove_if(along.begin(), along.end(),
+                               [&](Point each) { return distance_mm(pose, each) < 300.0; }),
+                along.end());
+  }
+  run.draw(options, "mouse", seed);
+  const double followed = 1.0 - share(along.size(), whole);
+  if (followed < 0.8) {
+    std::fprintf(stderr, "mouse, seed %llu: %.2f followed\n", static_cast<unsigned long long>(seed),
+                 followed);
+  }
+  return followed;
+}
+
+}  // namespace
+
+void run_mouse(const Options& options, Promises& promises) {
+  double sum = 0.0;
+  double least = 1.0;
+  for (std::uint64_t seed = options.from; seed <= options.to; ++seed) {
+    const double followed = followed_share(options, seed);
+    sum += followed;
+    least = std::min(least, followed);
+  }
+  const double mean = sum / static_cast<double>(options.to - options.from + 1);
+  std::printf(
+      "| Mouse | %.0f %% of the walls followed within 5 minutes, %.0f %% in the worst room |\n",
+      100.0 * mean, 100.0 * least);
+  promises.expect("Mouse", mean, kFollows);
+}
+
+}  // namespace cargobay::campaign
