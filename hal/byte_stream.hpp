@@ -53,6 +53,10 @@ class ByteStream {
   };
   virtual Terminal terminal() const { return {}; }
 
+  // A stream that does the same as long as the rate stays, with nothing in between that is not
+  // needed at this rate: for a loop, which asks once and not in each cycle.
+  virtual ByteStream& at_this_rate() { return *this; }
+
   // For set-up and shutdown; these may block and allocate.
   virtual std::uint32_t baud() const = 0;
   // After an error the former rate holds.

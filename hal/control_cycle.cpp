@@ -62,7 +62,7 @@ bool in_range(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
 }  // namespace
 
 ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
-    : stream_{stream},
+    : stream_{stream.at_this_rate()},
       parameters_{parameters},
       tick_{std::llround(parameters.loop.estimator.tick_s * 1e9)},
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},

@@ -145,7 +145,8 @@ class ControlCycle {
   static constexpr std::size_t kLongestOwnRest =
       std::max(oi::kDriveDirectBytes - 1, kSignalsLeftList.size());
 
-  // `stream` outlives the cycle; the robot on it streams frame lists already (hal/bring_up.hpp).
+  // `stream` outlives the cycle and keeps its rate; the robot on it streams frame lists already
+  // (hal/bring_up.hpp).
   ControlCycle(ByteStream& stream, const Parameters& parameters);
 
   // To be set before run(). Without one, the latest setpoint is followed.

@@ -55,7 +55,7 @@ Robot::Robot(std::unique_ptr<ByteStream> stream, std::unique_ptr<Duty> duty,
       options_{options},
       report_{report},
       recorder_{options.recorder_bytes},
-      recorded_{*stream_, recorder_},
+      recorded_{stream_->at_this_rate(), recorder_},
       duty_{std::move(duty)} {
   options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
   cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);

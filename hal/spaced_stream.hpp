@@ -35,6 +35,8 @@ class SpacedStream final : public ForwardingStream {
   // was kept is lost.
   Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
   Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
+  // Below 115200 baud the stream behind this one.
+  ByteStream& at_this_rate() override { return spaced_ ? *this : stream().at_this_rate(); }
   // All that was written before leaves at the former rate.
   std::error_code set_baud(std::uint32_t baud) override;
   bool drain(rt::Duration timeout) override;

@@ -1,9 +1,9 @@
 // spacing [--bytes N]: a client at 115200 baud on a pseudo-terminal. First it sends commands in one
 // write each, as most published clients do, of which a robot loses what follows too closely (OI
 // p. 7); then, while every processor is busy, N bytes one by one, 200 us after the last was
-// written, of which the virtual Create must lose none; then commands in one write again. Prints a
-// line of docs/virtual-create.md for each; the exit status is 1 where a byte is lost that a wire
-// would have carried, or none that it would not.
+// written, of which the virtual Create must lose none; then commands in one write again, of which
+// it may hear all: what is in doubt is heard. Prints a line of docs/virtual-create.md for each; the
+// exit status is 1 where a spaced byte is lost, or on the idle machine none of the others.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -136,6 +136,7 @@ bool spaced(std::uint64_t bytes) {
   return report("one by one, 200 us apart, busy", bytes, counters) && counters.bytes_unheard == 0;
 }
 
+// Whether some were lost.
 bool in_one_write(std::string_view what) {
   Client client;
   if (!client.begin()) return false;
@@ -153,8 +154,8 @@ int run(std::uint64_t bytes) {
   const bool some_lost = in_one_write("a command in one write");
   const Load load;
   const bool none_lost = spaced(bytes);
-  const bool lost_too = in_one_write("a command in one write, busy");
-  return some_lost && none_lost && lost_too ? 0 : 1;
+  (void)in_one_write("a command in one write, busy");
+  return some_lost && none_lost ? 0 : 1;
 }
 
 }  // namespace

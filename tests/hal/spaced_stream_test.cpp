@@ -96,6 +96,14 @@ TEST(SpacedStream, IsStraightThroughBelow115200) {
   EXPECT_EQ(port.taken().size(), 100U);
 }
 
+TEST(SpacedStream, IsInNobodysWayBelow115200) {
+  Port port;
+  SpacedStream stream{port};
+  EXPECT_EQ(&stream.at_this_rate(), &stream);
+  (void)stream.set_baud(57600);
+  EXPECT_EQ(&stream.at_this_rate(), &port);
+}
+
 TEST(SpacedStream, LeavesTheFirstByteAtOnceAndTheOthersOneByOne) {
   Port port;
   SpacedStream stream{port};
