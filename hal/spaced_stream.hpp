@@ -27,6 +27,8 @@ class SpacedStream final : public ForwardingStream {
   // `stream` outlives it.
   explicit SpacedStream(ByteStream& stream);
   explicit SpacedStream(std::unique_ptr<ByteStream> stream);
+  SpacedStream(const SpacedStream&) = delete;
+  SpacedStream& operator=(const SpacedStream&) = delete;
   // What is still kept is passed on first: blocks for at most kInterval a byte.
   ~SpacedStream() override;
 

@@ -265,7 +265,7 @@ void Device::tick_buttons(const Inputs& before) {
 
 // One longer than the manual's 100 bytes is not stored, and what is stored stays, as with a song.
 void Device::store_script(std::span<const std::uint8_t> body) {
-  if (body.size() > script_.capacity()) return;
+  if (body.size() > oi::kMaxScriptBytes) return;
   script_.clear();
   (void)script_.append(body);  // it fits: asked above
 }

@@ -9,14 +9,20 @@
 
 namespace cargobay::hal::sim {
 
-PtyWrites::PtyWrites(const std::string& path) {
+namespace {
+
+// -1 where the kernel would not.
+int watch_writes(const std::string& path) {
   const StandardNumbersTaken taken;
-  watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-  if (watch_ >= 0 && inotify_add_watch(watch_, path.c_str(), IN_MODIFY) < 0) {
-    close(watch_);
-    watch_ = -1;
-  }
+  const int watch = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (watch < 0 || inotify_add_watch(watch, path.c_str(), IN_MODIFY) >= 0) return watch;
+  close(watch);
+  return -1;
 }
+
+}  // namespace
+
+PtyWrites::PtyWrites(const std::string& path) : watch_{watch_writes(path)} {}
 
 PtyWrites::~PtyWrites() {
   if (watch_ >= 0) close(watch_);

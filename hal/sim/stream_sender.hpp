@@ -16,7 +16,7 @@ class StreamSender {
   // A new list starts the stream, an empty one ends it. Ids that are no packets are passed over. A
   // list of more than the manual's 43 is ignored: the stream is what it was.
   void start(std::span<const std::uint8_t> packet_ids, oi::Extensions extensions) {
-    if (packet_ids.size() > packets_.capacity()) return;
+    if (packet_ids.size() > oi::kMaxStreamPackets) return;
     packets_.clear();
     for (const std::uint8_t id : packet_ids) {
       if (oi::find_packet(id, extensions) != nullptr)

@@ -74,7 +74,7 @@ TEST_F(SendTool, AsksNoMoreOftenThanTheRobotTicks) {
   std::string commands = "start";
   for (int i = 0; i < kQuestions; ++i) commands += "; sensors oi_mode";
   const rt::TimePoint begin = rt::Clock::now();
-  const Outcome outcome = send({commands.c_str()});
+  const Outcome outcome = send({commands});
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_GE(rt::Clock::now() - begin, (kQuestions - 1) * oi::kTick);
 }
