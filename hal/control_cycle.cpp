@@ -113,9 +113,9 @@ ControlCycle::Step ControlCycle::receive() noexcept CARGOBAY_NONBLOCKING {
     case GuardMark::Robot::taken: return end(CycleEnd::guarded);
     case GuardMark::Robot::unguarded: return end(CycleEnd::guard_lost);
   }
-  const rt::Duration announced =
-      announced_silence_.exchange(kNoneAnnounced, std::memory_order_relaxed);
-  if (announced != kNoneAnnounced) expected_until_ = now + announced;
+  if (announced_silence_.load(std::memory_order_relaxed) != kNoneAnnounced) {
+    expected_until_ = now + announced_silence_.exchange(kNoneAnnounced, std::memory_order_relaxed);
+  }
   if (woken == ByteStream::Wait::hung_up) return hung_up(0);
 
   // Also after a time-out: fewer bytes than a frame may be there, and must not stay behind.
@@ -168,11 +168,7 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY
 }
 
 void ControlCycle::publish(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-  counters_mail_.put({.frames = frames_,
-                      .overruns = overruns_,
-                      .unsent = unsent_,
-                      .withheld = withheld_,
-                      .refused = refused_});
+  counters_mail_.put(counters_);
   state_.put(state);
   history_.push(state);
   if (observer_.function != nullptr) observer_.function(observer_.context, state);
@@ -189,13 +185,13 @@ ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) noexcept CARG
 // Closes the loop on this tick, with one write.
 ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
   const rt::TimePoint read = stream_.now();
-  if (read - state.arrival > kOwnWork) ++overruns_.read;
+  if (read - state.arrival > kOwnWork) ++counters_.overruns.read;
   state.setpoint_lapsed = control_.function == nullptr && setpoint_lapsed(state.arrival);
   state.target = wanted(state);
   const rt::TimePoint decided = stream_.now();
   const bool over = control_.function != nullptr && decided - read > parameters_.control_budget;
   overruns_in_a_row_ = over ? overruns_in_a_row_ + 1 : 0;
-  if (over) ++overruns_.user;
+  if (over) ++counters_.overruns.user;
   if (overruns_in_a_row_ > parameters_.control_overruns_allowed)
     return end(CycleEnd::control_overrun);
 
@@ -209,11 +205,11 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   const rt::WheelSpeeds former = acting_;
   const Sent sent = withhold ? Sent::withheld : send(state.command, list, decided);
   const rt::TimePoint written = stream_.now();
-  if (written - decided > kOwnWork) ++overruns_.write;
+  if (written - decided > kOwnWork) ++counters_.overruns.write;
   frame_to_command_ns_.record(static_cast<std::uint64_t>((written - state.arrival).count()));
   if (sent == Sent::failed) return hung_up(port_error_);
   if (sent != Sent::whole) {
-    ++(sent == Sent::withheld ? withheld_ : unsent_);
+    ++(sent == Sent::withheld ? counters_.withheld : counters_.unsent);
     loop_.not_sent(acting_);
     state.command = acting_;
   }
@@ -286,7 +282,7 @@ rt::WheelSpeeds ControlCycle::ask_control(const CycleState& state) noexcept CARG
   const double seconds = static_cast<double>(state.tick) * rt::seconds(tick_);
   const rt::WheelSpeeds speeds = control_.function(control_.context, state, seconds);
   const bool sane = in_range(speeds);
-  if (!sane) ++refused_;
+  if (!sane) ++counters_.refused;
   if (!sane && control_was_sane_) tell(EventKind::control_refused);
   control_was_sane_ = sane;
   return sane ? speeds : rt::WheelSpeeds{};
@@ -311,7 +307,7 @@ bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCK
 // that no tick sees two commands when the frame comes after all. Only a longer silence is answered,
 // once, by a stop: from there the wheels start again.
 ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
-  ++frames_.late;
+  ++counters_.frames.late;
   deadline_ += tick_;
   const rt::TimePoint now = stream_.now();
   const rt::Duration silence = now - last_arrival_;
@@ -323,7 +319,7 @@ ControlCycle::Step ControlCycle::late() noexcept CARGOBAY_NONBLOCKING {
   if (!stop_owed_) return Step::on;
   const Sent sent = send({}, list_, now);
   stop_owed_ = sent == Sent::not_whole;
-  if (stop_owed_) ++unsent_;
+  if (stop_owed_) ++counters_.unsent;
   return sent == Sent::failed ? hung_up(port_error_) : Step::on;
 }
 

@@ -224,14 +224,14 @@ class ControlCycle {
   const rt::Histogram& period_ns() const { return period_ns_; }
   const rt::Histogram& frame_to_command_ns() const { return frame_to_command_ns_; }
   // After run() has returned.
-  const FrameCounters& frames() const { return frames_; }
+  const FrameCounters& frames() const { return counters_.frames; }
   // Commands that the port did not take whole.
-  std::uint64_t unsent_commands() const { return unsent_; }
+  std::uint64_t unsent_commands() const { return counters_.unsent; }
   // Commands not sent because the robot might have got them in the same tick as the one before.
-  std::uint64_t withheld_commands() const { return withheld_; }
-  const PhaseOverruns& overruns() const { return overruns_; }
+  std::uint64_t withheld_commands() const { return counters_.withheld; }
+  const PhaseOverruns& overruns() const { return counters_.overruns; }
   // Answers of the control function that no robot can follow.
-  std::uint64_t refused_controls() const { return refused_; }
+  std::uint64_t refused_controls() const { return counters_.refused; }
   // Bytes of a command that the robot has got the beginning of.
   std::size_t owed_bytes() const { return outgoing_.bytes().size(); }
   // The errno of what failed where the port hung up; EBADF where the descriptor is no longer the
@@ -354,11 +354,7 @@ class ControlCycle {
   CycleEnd end_ = CycleEnd::asked;
   int port_error_ = 0;
 
-  FrameCounters frames_{};
-  std::uint64_t unsent_ = 0;
-  std::uint64_t withheld_ = 0;
-  PhaseOverruns overruns_{};
-  std::uint64_t refused_ = 0;
+  CycleCounters counters_{};
 
   std::atomic<bool> stop_requested_{false};
   std::atomic<bool> abandoned_{false};

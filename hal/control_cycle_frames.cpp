@@ -99,7 +99,7 @@ void ControlCycle::tell(Event event, std::int64_t tick) noexcept CARGOBAY_NONBLO
 
 // Books the arrival, good and lost, and takes the estimator to the present tick.
 void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
-  frames_.good += readings_.size();
+  counters_.frames.good += readings_.size();
   const std::uint64_t seen_damaged = newly_damaged(arrival);
   if (!ticks_.started()) {
     late_ = readings_.size() > 1;  // they had been waiting, and more may be
@@ -109,7 +109,7 @@ void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING 
     account_for_ticks(arrival, static_cast<int>(readings_.size()));
     // Of several together all but the last are a tick late at least.
     late_ = readings_.size() > 1 || arrival - ticks_.due_by(arrival) > parameters_.late_margin;
-    if (late_) ++overruns_.wait;
+    if (late_) ++counters_.overruns.wait;
     if (!ticks_.in_phase()) loop_.sent_late();  // what was sent before, as shows now
   }
   for (const auto& reading : readings_) {
@@ -141,8 +141,8 @@ void ControlCycle::account_for_ticks(rt::TimePoint arrival,
   // What never came is missed late, so the list that it was of may be an older one.
   loop_.lost(unforeseen,
              ticks_since_reads_ <= (never_came == 0 ? 1 : rt::TickClock::kPatience + 1));
-  frames_.bad += bad;
-  frames_.lost += never_came;
+  counters_.frames.bad += bad;
+  counters_.frames.lost += never_came;
   if (lost < 0) {
     take_back(static_cast<std::uint64_t>(-lost));
     loop_.came_after_all(-lost);
@@ -191,9 +191,9 @@ bool ControlCycle::bytes_are_missing(std::int64_t ticks) const noexcept CARGOBAY
 
 // Frames that were given up are here. Of the bad ones, what looked like their remains was noise.
 void ControlCycle::take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING {
-  const std::uint64_t lost = std::min(frames, frames_.lost);
-  frames_.lost -= lost;
-  frames_.bad -= frames - lost;
+  const std::uint64_t lost = std::min(frames, counters_.frames.lost);
+  counters_.frames.lost -= lost;
+  counters_.frames.bad -= frames - lost;
 }
 
 // Of the robot, that passed since the last frame. For a deadline that is over.
@@ -219,8 +219,8 @@ void ControlCycle::account_for_silence() noexcept CARGOBAY_NONBLOCKING {
   if (!ticks_.started()) return;
   const auto due = static_cast<std::uint64_t>(ticks_.missing() + silent_ticks());
   const std::uint64_t bad = std::min(damaged_, due);
-  frames_.bad += bad;
-  frames_.lost += due - bad;
+  counters_.frames.bad += bad;
+  counters_.frames.lost += due - bad;
 }
 
 }  // namespace cargobay::hal

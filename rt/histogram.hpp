@@ -23,8 +23,8 @@ class Histogram {
     const std::size_t bucket = bucket_of(value);
     store(counts_[bucket], counts_[bucket] + 1);
     store(count_, count_ + 1);
-    store(min_, std::min(min_, value));
-    store(max_, std::max(max_, value));
+    if (value < min_) store(min_, value);
+    if (value > max_) store(max_, value);
     store(sum_, sum_ + value);
   }
   // A copy, while another thread records: the values that it has recorded by now, and perhaps a
