@@ -4,7 +4,6 @@
 // error, and the exit status is 1. --draw draws each run into FOLDER, as SVG.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "hal/sim/demo_view.hpp"
 #include "tests/campaign/demo_run.hpp"
 #include "tests/campaign/floor_map.hpp"
+#include "tests/campaign/number.hpp"
 
 namespace cargobay::campaign {
 namespace {
@@ -25,13 +25,6 @@ using oi::DemoNumber;
 constexpr double kDocks = 0.90;         // of those that can reach the base, within 3 minutes
 constexpr double kDocksInSight = 0.95;  // of those that see it from the start
 constexpr double kCovers = 0.80;        // of the floor, on average, in 10 minutes
-
-std::optional<std::uint64_t> number(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 std::optional<Options> parse(int count, char** words) {
   Options options;

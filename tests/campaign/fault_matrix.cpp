@@ -4,7 +4,6 @@
 // and --seed repeat one row, or one drive of it.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
@@ -13,6 +12,7 @@
 
 #include "tests/campaign/fault_case.hpp"
 #include "tests/campaign/faulted_drive.hpp"
+#include "tests/campaign/number.hpp"
 #include "tests/campaign/verdict.hpp"
 
 namespace cargobay::campaign {
@@ -42,13 +42,6 @@ struct Row {
   std::uint64_t misled = 0;  // drives in which one of those made something not hold
   std::uint64_t failed = 0;  // drives in which something else did
 };
-
-std::optional<std::uint64_t> number(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 std::optional<Options> parse(int count, char** words) {
   Options options;

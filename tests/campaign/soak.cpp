@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -28,6 +27,7 @@
 #include "hal/sim/server.hpp"
 #include "hal/sim/virtual_link.hpp"
 #include "rt/unchecked.hpp"
+#include "tests/campaign/number.hpp"
 
 namespace cargobay::campaign {
 namespace {
@@ -208,13 +208,6 @@ class RealSoak {
   Ledger ledger_{};
   Holdings holdings_{};
 };
-
-std::optional<std::uint64_t> number(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 struct Lengths {
   std::uint64_t frames = 1'000'000;

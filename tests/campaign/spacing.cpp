@@ -9,11 +9,11 @@
 
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <thread>
@@ -22,6 +22,7 @@
 #include "hal/sim/server.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
+#include "tests/campaign/number.hpp"
 
 namespace cargobay::campaign {
 namespace {
@@ -163,15 +164,11 @@ int run(std::uint64_t bytes) {
 
 int main(int count, char** words) {
   const std::span<char*> arguments{words, static_cast<std::size_t>(count)};
-  std::uint64_t bytes = 1'000'000;
-  if (arguments.size() == 3 && std::string_view{arguments[1]} == "--bytes") {
-    const std::string_view text{arguments[2]};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bytes);
-    if (error == std::errc{} && end == text.data() + text.size() && bytes > 0)
-      return cargobay::campaign::run(bytes);
-  } else if (arguments.size() == 1) {
-    return cargobay::campaign::run(bytes);
-  }
+  std::optional<std::uint64_t> bytes;
+  if (arguments.size() == 1) bytes = 1'000'000;
+  if (arguments.size() == 3 && std::string_view{arguments[1]} == "--bytes")
+    bytes = cargobay::campaign::number(arguments[2]);
+  if (bytes.value_or(0) > 0) return cargobay::campaign::run(*bytes);
   std::fputs("usage: spacing [--bytes N]\n", stderr);
   return 2;
 }
