@@ -48,6 +48,7 @@ constexpr auto kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
 // At a rate that cannot carry a stream the robot is asked for this, by Query List.
 constexpr auto kAskedList = oi::list_of<oi::PacketId, oi::kMaxQueryPackets>(
     oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::oi_mode);
+constexpr std::size_t kAskedBytes = 2 + 2 + 2 * kAskedList.size();  // Pause, Query List, the reply
 
 std::string at_baud(std::uint32_t baud) { return "at " + std::to_string(baud) + " baud"; }
 
@@ -398,8 +399,8 @@ bool BringUp::probe(std::uint32_t baud) {
 }
 
 // A robot at another rate makes other bytes of those it is sent, and commands of some: half a
-// Script, a demo. Of Start and this question, in any of its rates, it makes nothing (found by
-// trying all packets), so nothing else is sent where nobody answers.
+// Script, a demo. Of Start and this question, in any of its rates, it makes nothing
+// (tests/hal/wrong_rate_test.cpp), so nothing else is sent where nobody answers.
 bool BringUp::stirs(std::uint32_t baud) {
   for (int i = 0; i < kMostTries; ++i) {
     talk_.send(oi::Sensors{oi::PacketId::wall});
@@ -422,7 +423,7 @@ bool BringUp::replies(std::uint32_t baud) {
   for (int i = 0; i < kAnswerFrames; ++i) {
     talk_.send(oi::QueryList{kAskedList});
     const std::vector<std::uint8_t> reply =
-        talk_.reply(kAskedList.size(), oi::wire_time(2 * kAskedList.size() + 5, baud) + kReplyTime);
+        talk_.reply(kAskedList.size(), oi::wire_time(kAskedBytes, baud) + kReplyTime);
     if (reply.size() < kAskedList.size() || reply.front() != kPassive || reply.back() != kPassive)
       return false;
   }

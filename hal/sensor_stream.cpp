@@ -26,8 +26,8 @@ bool tell(ByteStream& stream, const Command& command) {
 
 Failure no_answer(const ByteStream& stream) {
   return {"the robot does not answer at " + std::to_string(stream.baud()) +
-          " baud; is it switched on and connected, and is this its baud rate? (`cargobay bringup` "
-          "finds it at any)"};
+          " baud; is it switched on and connected, and is this its baud rate? `cargobay bringup` "
+          "finds it at any"};
 }
 
 // Reads and drops until nothing has come for a while. Returns whether anything had.

@@ -58,8 +58,8 @@ rt::Duration seconds(double count) {
 hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
   return {
       fmt::format("the robot does not answer at {} baud; is it switched on and connected, and "
-                  "is this its baud rate? (`cargobay bringup` finds it at any){}",
-                  baud, begins_with_start ? "" : " If it is off, begin with: start")};
+                  "is this its baud rate? `cargobay bringup` finds it at any{}",
+                  baud, begins_with_start ? "" : ". If it is off, begin with: start")};
 }
 
 // One run of the command: a robot, and what it is told in order.

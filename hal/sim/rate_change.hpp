@@ -46,7 +46,8 @@ class RateChange {
   std::uint32_t baud() const { return baud_; }
   // Of so much room for all that is kept in the end, what is left.
   std::size_t room(std::size_t in_all) const {
-    return std::min(in_all, kept_.size()) - std::min(size_, std::min(in_all, kept_.size()));
+    const std::size_t most = std::min(in_all, kept_.size());
+    return most - std::min(size_, most);
   }
   // No more than there is room for.
   void keep(std::span<const std::uint8_t> bytes, rt::TimePoint now) {

@@ -280,6 +280,7 @@ void Server::unplug() {
     const std::lock_guard lock{mutex_};
     port_.reset();
     change_.end();
+    spacing_.reset();  // of that port
   }
   wake();
 }

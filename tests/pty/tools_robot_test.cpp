@@ -84,7 +84,7 @@ TEST_F(SendTool, SaysWhenTheRobotIsSilent) {
       error_of({"sensors 35"}),
       HasSubstr(
           "the robot does not answer at 57600 baud; is it switched on and connected, "
-          "and is this its baud rate? (`cargobay bringup` finds it at any) If it is off, begin "
+          "and is this its baud rate? `cargobay bringup` finds it at any. If it is off, begin "
           "with: start"));
   EXPECT_THAT(error_of({"--baud", "19200", "start"}), HasSubstr("does not answer at 19200 baud"));
 }
