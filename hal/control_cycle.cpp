@@ -65,6 +65,7 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
     : stream_{stream.at_this_rate()},
       parameters_{parameters},
       tick_{std::llround(parameters.loop.estimator.tick_s * 1e9)},
+      way_around_{way_around(tick_)},
       frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
       command_time_{sending_time(oi::kDriveDirectBytes, stream.baud())},
       byte_time_{time_of_byte(stream.baud())},
@@ -200,7 +201,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
   const FrameList list = next_list();
   const rt::TimePoint reaches = std::max(decided, line_free_) + fill_time(fill());
   // Behind a long command the next would come when it is no more true.
-  const bool line_busy = line_free_ - decided > way_around(tick_);
+  const bool line_busy = line_free_ - decided > way_around_;
   const bool withhold = line_busy || tick_has_command(reaches);
   const rt::WheelSpeeds former = acting_;
   const Sent sent = withhold ? Sent::withheld : send(state.command, list, decided);
@@ -255,9 +256,8 @@ FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
 
 // The frame that is answered.
 bool ControlCycle::on_time() const noexcept CARGOBAY_NONBLOCKING {
-  const rt::Duration margin = way_around(tick_);
-  const rt::Duration behind = last_arrival_ - ticks_.due_by(last_arrival_ + margin);
-  return ticks_.knows_phase() && readings_.size() == 1 && behind <= margin;
+  const rt::Duration behind = last_arrival_ - ticks_.due_by(last_arrival_ + way_around_);
+  return ticks_.knows_phase() && readings_.size() == 1 && behind <= way_around_;
 }
 
 // Whether the robot may get what is sent then in the same tick as the last command: a frame that
@@ -265,12 +265,12 @@ bool ControlCycle::on_time() const noexcept CARGOBAY_NONBLOCKING {
 // doubt, commands are nearly a tick apart in any case: where all frames are late the phase does not
 // show.
 bool ControlCycle::tick_has_command(rt::TimePoint sent) const noexcept CARGOBAY_NONBLOCKING {
-  if (!on_time() && sent - last_command_ < tick_ - way_around(tick_)) return true;
+  if (!on_time() && sent - last_command_ < tick_ - way_around_) return true;
   if (!ticks_.in_phase()) return false;
   // A command reaches the robot in a new tick where it is sent so long before that tick's frame.
   const rt::Duration lead = frame_time_ + command_time_;
   const rt::TimePoint tick_began = ticks_.due_by(sent + lead) - lead;
-  return last_command_ > tick_began - way_around(tick_);
+  return last_command_ > tick_began - way_around_;
 }
 
 rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {

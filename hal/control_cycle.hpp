@@ -305,6 +305,7 @@ class ControlCycle {
   ByteStream& stream_;
   Parameters parameters_;
   rt::Duration tick_;
+  rt::Duration way_around_;    // what lies between port and robot may add, both ways together
   rt::Duration frame_time_;    // on the wire
   rt::Duration command_time_;  // the same
   rt::Duration byte_time_;     // the same

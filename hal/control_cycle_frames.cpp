@@ -172,11 +172,11 @@ bool ControlCycle::reading_is_doubtful() const noexcept CARGOBAY_NONBLOCKING {
 // a robot says other things too, and if nobody asked it to it may have misheard a command.
 std::uint64_t ControlCycle::newly_damaged(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   const oi::StreamDecoder::Counters& now = decoder_.counters();
-  const auto ticks = static_cast<std::uint64_t>((arrival - last_arrival_) / tick_);
-  const std::uint64_t skipped = now.skipped - skipped_;
-  const std::uint64_t frames = skipped / kLeastOfAFrame;
-  skipped_ = now.skipped;
+  const std::uint64_t skipped = now.skipped - std::exchange(skipped_, now.skipped);
   const std::uint64_t corrupt = std::exchange(corrupt_, 0U);
+  if (skipped == 0) return corrupt;
+  const auto ticks = static_cast<std::uint64_t>((arrival - last_arrival_) / tick_);
+  const std::uint64_t frames = skipped / kLeastOfAFrame;
   const bool says_more = skipped > ticks * kMostOfAFrame;
   if (says_more) hearing_in_doubt_ = true;
   return says_more ? corrupt : std::max(corrupt, frames);

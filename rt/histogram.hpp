@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 
 #include "rt/nonblocking.hpp"
 
@@ -22,7 +23,6 @@ class Histogram {
   void record(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
     const std::size_t bucket = bucket_of(value);
     store(counts_[bucket], counts_[bucket] + 1);
-    store(count_, count_ + 1);
     if (value < min_) store(min_, value);
     if (value > max_) store(max_, value);
     store(sum_, sum_ + value);
@@ -33,7 +33,6 @@ class Histogram {
     Histogram copy;
     for (std::size_t i = 0; i < kBuckets; ++i) {
       copy.counts_[i] = load(counts_[i]);
-      copy.count_ += copy.counts_[i];
     }
     copy.min_ = load(min_);
     copy.max_ = load(max_);
@@ -54,19 +53,22 @@ class Histogram {
   }
   void merge(const Histogram& other) noexcept CARGOBAY_NONBLOCKING {
     for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
-    count_ += other.count_;
     min_ = std::min(min_, other.min_);
     max_ = std::max(max_, other.max_);
     sum_ += other.sum_;
   }
 
-  std::uint64_t count() const noexcept CARGOBAY_NONBLOCKING { return count_; }
+  // Adds up the buckets: nothing is counted twice while recording.
+  std::uint64_t count() const noexcept CARGOBAY_NONBLOCKING {
+    return std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
+  }
   // Exact. 0 where nothing was recorded.
-  std::uint64_t min() const noexcept CARGOBAY_NONBLOCKING { return count_ == 0 ? 0 : min_; }
+  std::uint64_t min() const noexcept CARGOBAY_NONBLOCKING { return min_ == kNone ? 0 : min_; }
   std::uint64_t max() const noexcept CARGOBAY_NONBLOCKING { return max_; }
 
   double mean() const noexcept CARGOBAY_NONBLOCKING {
-    return count_ == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(count_);
+    const std::uint64_t all = count();
+    return all == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(all);
   }
 
   // Calls `see(value, count)` for each bucket that is not empty, in rising order: `value` is the
@@ -82,7 +84,7 @@ class Histogram {
   // rounded up to the end of its bucket but never above max(). 0 where nothing was recorded.
   std::uint64_t percentile(double percent) const noexcept CARGOBAY_NONBLOCKING {
     // 99.9 % of 1000 is the 999th, whatever floating point makes of it.
-    const double all = static_cast<double>(count_);
+    const double all = static_cast<double>(count());
     const double wanted = std::max(1.0, percent / 100.0 * all - 1e-9 * all);
     std::uint64_t seen = 0;
     for (std::size_t i = 0; i < kBuckets; ++i) {
@@ -122,8 +124,8 @@ class Histogram {
   // atomic_ref wants 8 bytes of alignment, which a 32-bit processor's integers may not have.
   static constexpr std::size_t kAlignment = 8;
   alignas(kAlignment) std::array<std::uint64_t, kBuckets> counts_{};
-  alignas(kAlignment) std::uint64_t count_ = 0;
-  alignas(kAlignment) std::uint64_t min_ = ~std::uint64_t{0};
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  alignas(kAlignment) std::uint64_t min_ = kNone;
   alignas(kAlignment) std::uint64_t max_ = 0;
   alignas(kAlignment) std::uint64_t sum_ = 0;
 };

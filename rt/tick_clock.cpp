@@ -5,8 +5,6 @@
 namespace cargobay::rt {
 namespace {
 
-// An arrival this much before its time still is that tick's: a quarter of a tick.
-constexpr int kEarlyShare = 4;
 // How much of a late arrival is taken for drift, a tick: 1000 ppm of 15 ms.
 constexpr Duration kMostDrift = std::chrono::microseconds{15};
 // Frames that come every 16 ms are late by more than three quarters of a tick four or five times in
@@ -33,14 +31,14 @@ void TickClock::start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
 int TickClock::arrived(TimePoint arrival, int frames,
                        std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING {
   const std::int64_t passed =
-      std::max<std::int64_t>(0, (arrival - phase_ + tick_ / kEarlyShare) / tick_);
+      std::max<std::int64_t>(0, (arrival - phase_ + early_) / tick_);
   by_time_ += passed;
   phase_ += passed * tick_;
   counted_ += frames;
   in_phase_ = true;
   const std::int64_t back = take_back(arrival);
   if (counted_ > by_time_) {  // the robot is faster than its phase said
-    in_phase_ = phase_ + tick_ - arrival < tick_ / kEarlyShare;
+    in_phase_ = phase_ + tick_ - arrival < early_;
     by_time_ = counted_;
     phase_ = arrival;
   }
@@ -61,7 +59,7 @@ int TickClock::arrived(TimePoint arrival, int frames,
 // More frames than ticks, and too early for the next: how many of them were given up before.
 std::int64_t TickClock::take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   if (by_time_ - given_up_at_ > kMemory) given_up_ = 0;
-  const bool early = phase_ + tick_ - arrival >= tick_ / kEarlyShare;
+  const bool early = phase_ + tick_ - arrival >= early_;
   if (counted_ <= by_time_ || !early) return 0;
   const std::int64_t back = std::min(given_up_, counted_ - by_time_);
   given_up_ -= back;

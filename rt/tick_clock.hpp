@@ -24,7 +24,7 @@ class TickClock {
   // takes from one that is on time to the next.
   static constexpr int kArrivalsToKnow = 16;
 
-  explicit TickClock(Duration tick) : tick_{tick} {}
+  explicit TickClock(Duration tick) : tick_{tick}, early_{tick / kEarlyShare} {}
 
   // The first frame, or the first after silence: counting starts again from here.
   void start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
@@ -58,7 +58,11 @@ class TickClock {
   std::int64_t settle(std::int64_t passed, std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING;
   std::int64_t take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
 
+  // An arrival this much before its time still is that tick's: a quarter of a tick.
+  static constexpr int kEarlyShare = 4;
+
   Duration tick_;
+  Duration early_;
   bool started_ = false;
   bool in_phase_ = false;
   int in_phase_for_ = 0;            // arrivals, up to kArrivalsToKnow
