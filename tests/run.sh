@@ -28,58 +28,74 @@ passed=0 failed=0 skipped=0
 # The sanitizers name lines only if they find llvm-symbolizer.
 PATH=$PATH:/usr/lib/llvm-22/bin
 
-# report NAME STATUS SECONDS TEXT: the one line of a stage; if it failed, the tail of its log
-# without ctest's lines about tests that passed. Status 77: it found no means to do its work.
+# processor: sets `used` to the seconds of processor time that this shell's children took so far.
+hertz=$(getconf CLK_TCK)
+processor() {
+  local fields
+  read -ra fields < "/proc/$BASHPID/stat"
+  used=$(((fields[15] + fields[16]) / hertz))
+}
+
+# report NAME STATUS SECONDS PROCESSOR TEXT: the one line of a stage; if it failed, the tail of its
+# log without ctest's lines about tests that passed. Status 77: a tool that it needs is missing.
 report() {
   local verdict=ok
   (($2 == 0)) || verdict=FAILED
   (($2 != 77)) || verdict=skipped
-  printf '%-22s %-7s %4d s  %s\n' "$1" "$verdict" "$3" "$4"
+  printf '%-22s %-7s %4d s, processor %4d s  %s\n' "$1" "$verdict" "$3" "$4" "$5"
   (($2 == 0)) || grep -avE '^ +Start +[0-9]+: | Passed +[0-9.]+ sec$' "$logs/$1.log" |
-    tail -n "${5:-40}" | sed 's/^/    /' || true
+    tail -n "${6:-40}" | sed 's/^/    /' || true
 }
 
-# count NAME STATUS SECONDS: as one check.
+# count NAME STATUS SECONDS PROCESSOR: as one check.
 count() {
   case $2 in
     0) passed=$((passed + 1)) ;;
     77) skipped=$((skipped + 1)) ;;
     *) failed=$((failed + 1)) ;;
   esac
-  report "$1" "$2" "$3" ""
+  report "$@" ""
   return "$2"
 }
 
 # stage NAME COMMAND...: now.
 stage() {
-  local name=$1 begin=$SECONDS status=0
+  local name=$1 begin=$SECONDS status=0 used before
   shift
+  processor
+  before=$used
   "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
-  count "$name" "$status" $((SECONDS - begin))
+  processor
+  count "$name" "$status" $((SECONDS - begin)) $((used - before))
 }
 
 # background NAME COMMAND...: runs it, and leaves the result for await.
 background() {
-  local name=$1 begin=$SECONDS status=0
+  local name=$1 begin=$SECONDS status=0 used before
   shift
+  processor
+  before=$used
   "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
-  echo "$status $((SECONDS - begin))" > "$logs/$name.status.new"
+  processor
+  echo "$status $((SECONDS - begin)) $((used - before))" > "$logs/$name.status.new"
   mv "$logs/$name.status.new" "$logs/$name.status"
 }
 
 # await NAME: waits until the background has done it, and counts it.
 await() {
-  local status seconds
+  local status seconds used
   while [[ ! -e $logs/$1.status ]] && kill -0 "$worker" 2> /dev/null; do sleep 0.5; done
   # None, and nobody left to write one: the background died.
-  read -r status seconds 2> /dev/null < "$logs/$1.status" || status=1 seconds=0
-  count "$1" "$status" "$seconds"
+  read -r status seconds used 2> /dev/null < "$logs/$1.status" || status=1 seconds=0 used=0
+  count "$1" "$status" "$seconds" "$used"
 }
 
 # tests PRESET CTEST-ARGUMENT...: counts every test.
 tests() {
-  local preset=$1 begin=$SECONDS status=0 junit head total bad idle
+  local preset=$1 begin=$SECONDS status=0 junit head total bad idle used before
   shift
+  processor
+  before=$used
   local name=$preset-tests
   junit=$logs/$name.xml
   rm -f "$junit"
@@ -93,7 +109,8 @@ tests() {
   ((total > 0)) || status=1
   if ((status != 0 && bad == 0)); then bad=1 total=$((total + 1)); fi
   passed=$((passed + total - bad - idle)) failed=$((failed + bad)) skipped=$((skipped + idle))
-  report "$name" "$status" $((SECONDS - begin)) \
+  processor
+  report "$name" "$status" $((SECONDS - begin)) $((used - before)) \
     "$((total - bad - idle)) passed, $bad failed, $idle skipped" 80
   grep -ahoE '^again: .*' "$junit" | sed -E 's/^again: (.*gtest_filter=)?/    again: /; s/ --gtest[^ :]*//g' || true
   ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$name.log" | sort -u | sed 's/^/    /'
