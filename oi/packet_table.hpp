@@ -8,7 +8,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -164,9 +163,6 @@ constexpr const PacketInfo& packet(PacketId id) { return kPackets[static_cast<st
 constexpr std::size_t packet_size(std::uint8_t id) {
   return id < kPacketCount ? kPackets[id].size : 0;
 }
-
-// The packet of that key or number, decimal or hexadecimal behind 0x; nothing where there is none.
-std::optional<std::uint8_t> find_packet(std::string_view key_or_number);
 
 // Each entry stands at its id, and each group is as long as what it consists of.
 static_assert([] {

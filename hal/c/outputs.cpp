@@ -8,13 +8,13 @@
 #include "hal/c/durations.hpp"
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
-#include "oi/command_text.hpp"
 #include "oi/commands.hpp"
 #include "oi/encode.hpp"
 #include "oi/parse.hpp"
-#include "oi/rtttl.hpp"
-#include "oi/script_text.hpp"
-#include "oi/song.hpp"
+#include "oi/text/command_text.hpp"
+#include "oi/text/rtttl.hpp"
+#include "oi/text/script_text.hpp"
+#include "oi/text/song.hpp"
 
 namespace cargobay::c {
 namespace {

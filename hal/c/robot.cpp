@@ -4,19 +4,19 @@
 #include <cmath>
 #include <string>
 
-#include "hal/bring_up.hpp"
+#include "hal/bring_up/bring_up.hpp"
 #include "hal/c/cargobay.h"
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
-#include "hal/config.hpp"
-#include "hal/file_place.hpp"
-#include "hal/open_port.hpp"
-#include "hal/output_file.hpp"
-#include "hal/port_descriptor.hpp"
-#include "hal/settings.hpp"
-#include "hal/spaced_stream.hpp"
+#include "hal/config/config.hpp"
+#include "hal/config/settings.hpp"
+#include "hal/file/file_place.hpp"
+#include "hal/file/output_file.hpp"
+#include "hal/file/port_descriptor.hpp"
+#include "hal/port/open_port.hpp"
+#include "hal/stream/spaced_stream.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::c {

@@ -7,15 +7,15 @@
 #include <mutex>
 #include <optional>
 
+#include "hal/bring_up/open_pins.hpp"
 #include "hal/c/cargobay.h"
 #include "hal/c/errors.hpp"
 #include "hal/c/handles.hpp"
 #include "hal/c/sim_object.hpp"
-#include "hal/open_pins.hpp"
-#include "hal/output_file.hpp"
-#include "hal/recording_writer.hpp"
-#include "hal/robot.hpp"
-#include "hal/sim/virtual_create.hpp"
+#include "hal/file/output_file.hpp"
+#include "hal/recording/recording_writer.hpp"
+#include "hal/robot/robot.hpp"
+#include "hal/sim/remote/virtual_create.hpp"
 
 struct cargobay_robot;  // the handle
 

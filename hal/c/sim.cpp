@@ -11,9 +11,9 @@
 #include "hal/c/sim_object.hpp"
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
-#include "hal/port_descriptor.hpp"
-#include "hal/settings.hpp"
-#include "hal/sim/control.hpp"
+#include "hal/config/settings.hpp"
+#include "hal/file/port_descriptor.hpp"
+#include "hal/sim/remote/control.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::c {

@@ -9,10 +9,10 @@
 
 #include "hal/c/errors.hpp"
 #include "hal/c/handles.hpp"
-#include "hal/sim/device.hpp"
-#include "hal/sim/server.hpp"
-#include "hal/sim/virtual_link.hpp"
-#include "hal/sim/world.hpp"
+#include "hal/sim/line/server.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
+#include "hal/sim/world/world.hpp"
 
 struct cargobay_sim;  // the handle
 

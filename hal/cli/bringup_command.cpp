@@ -7,19 +7,19 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
-#include "hal/bring_up.hpp"
-#include "hal/cli/bring_up_report.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/bring_up/open_pins.hpp"
 #include "hal/cli/commands.hpp"
-#include "hal/cli/connection.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/open_for_use.hpp"
-#include "hal/cli/outputs.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/signals.hpp"
-#include "hal/duty.hpp"
-#include "hal/open_pins.hpp"
-#include "hal/sim/virtual_create.hpp"
-#include "hal/write_all.hpp"
+#include "hal/cli/connect/bring_up_report.hpp"
+#include "hal/cli/connect/connection.hpp"
+#include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/signals.hpp"
+#include "hal/guard/duty.hpp"
+#include "hal/sim/remote/virtual_create.hpp"
+#include "hal/stream/write_all.hpp"
 #include "oi/encode.hpp"
 
 namespace cargobay::cli {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/packet_list.hpp"
-#include "hal/cli/print.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/packet_list.hpp"
+#include "hal/cli/terminal/print.hpp"
 #include "oi/baud.hpp"
 #include "oi/stream_budget.hpp"
 

@@ -11,18 +11,18 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/calibration.hpp"
 #include "hal/cli/commands.hpp"
-#include "hal/cli/connection.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/open_for_use.hpp"
-#include "hal/cli/outputs.hpp"
-#include "hal/cli/plant.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/signals.hpp"
-#include "hal/config_edit.hpp"
-#include "hal/read_input.hpp"
-#include "hal/robot.hpp"
+#include "hal/cli/connect/connection.hpp"
+#include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/connect/plant.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/signals.hpp"
+#include "hal/config/config_edit.hpp"
+#include "hal/file/read_input.hpp"
+#include "hal/robot/calibration.hpp"
+#include "hal/robot/robot.hpp"
 
 namespace cargobay::cli {
 namespace {

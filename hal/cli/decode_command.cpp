@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/packet_list.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/words.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/packet_list.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/words.hpp"
 #include "oi/command_table.hpp"
-#include "oi/describe.hpp"
 #include "oi/limits.hpp"
+#include "oi/text/describe.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/findings.hpp"
-#include "hal/cli/outputs.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/doctor.hpp"
+#include "hal/cli/connect/findings.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/doctor/doctor.hpp"
 
 namespace cargobay::cli {
 namespace {

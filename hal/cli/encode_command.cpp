@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/words.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/words.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -14,20 +14,20 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/connection.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/in_range.hpp"
-#include "hal/cli/jitter_formats.hpp"
-#include "hal/cli/jitter_plot.hpp"
-#include "hal/cli/jitter_summary.hpp"
-#include "hal/cli/jitter_table.hpp"
-#include "hal/cli/open_for_use.hpp"
-#include "hal/cli/outputs.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/signals.hpp"
-#include "hal/cli/words.hpp"
+#include "hal/cli/connect/connection.hpp"
+#include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/jitter/jitter_formats.hpp"
+#include "hal/cli/jitter/jitter_plot.hpp"
+#include "hal/cli/jitter/jitter_summary.hpp"
+#include "hal/cli/jitter/jitter_table.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/in_range.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/signals.hpp"
+#include "hal/cli/terminal/words.hpp"
 #include "hal/jitter/run.hpp"
-#include "hal/sim/virtual_create.hpp"
+#include "hal/sim/remote/virtual_create.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -10,9 +10,9 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/standard_streams.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/standard_streams.hpp"
 
 namespace {
 

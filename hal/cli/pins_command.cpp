@@ -10,9 +10,9 @@
 
 #include "gpio/line.hpp"
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/signals.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/signals.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::cli {

@@ -12,13 +12,13 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/drive_log.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/load_recording.hpp"
-#include "hal/cli/outputs.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/velocity_plot.hpp"
-#include "hal/recording.hpp"
+#include "hal/cli/drive/drive_log.hpp"
+#include "hal/cli/drive/velocity_plot.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/load_recording.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/recording/recording.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/serial_transport.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/port/serial_transport.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -9,14 +9,14 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/cli/commands.hpp"
-#include "hal/cli/drive_report.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/in_range.hpp"
-#include "hal/cli/load_recording.hpp"
-#include "hal/cli/outputs.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/estimate_again.hpp"
-#include "hal/replay.hpp"
+#include "hal/cli/drive/drive_report.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/in_range.hpp"
+#include "hal/cli/terminal/load_recording.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/recording/estimate_again.hpp"
+#include "hal/recording/replay.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -7,17 +7,17 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "hal/bring_up/sensor_stream.hpp"
 #include "hal/cli/commands.hpp"
-#include "hal/cli/connection.hpp"
-#include "hal/cli/exit_codes.hpp"
-#include "hal/cli/open_for_use.hpp"
-#include "hal/cli/packet_list.hpp"
-#include "hal/cli/print.hpp"
-#include "hal/cli/sensor_format.hpp"
-#include "hal/cli/signals.hpp"
-#include "hal/cli/standard_streams.hpp"
-#include "hal/duty.hpp"
-#include "hal/sensor_stream.hpp"
+#include "hal/cli/connect/connection.hpp"
+#include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/packet_list.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/sensor_format.hpp"
+#include "hal/cli/terminal/signals.hpp"
+#include "hal/cli/terminal/standard_streams.hpp"
+#include "hal/guard/duty.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::cli {

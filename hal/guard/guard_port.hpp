@@ -5,9 +5,9 @@
 #include <chrono>
 #include <optional>
 
-#include "hal/guard_block.hpp"
-#include "hal/tty_speed.hpp"
-#include "hal/tty_stream.hpp"
+#include "hal/guard/guard_block.hpp"
+#include "hal/port/tty_speed.hpp"
+#include "hal/port/tty_stream.hpp"
 
 namespace cargobay::hal {
 

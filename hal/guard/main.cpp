@@ -1,5 +1,5 @@
-// cargobay-guard: started by the library over a robot's port, not by hand (hal/guard.hpp). Waits
-// until the thread that drives is dead or hung; then stops the robot, once, and ends.
+// cargobay-guard: started by the library over a robot's port, not by hand (hal/guard/guard.hpp).
+// Waits until the thread that drives is dead or hung; then stops the robot, once, and ends.
 
 #include <fcntl.h>
 #include <poll.h>
@@ -16,11 +16,11 @@
 #include <cstdio>
 #include <ctime>
 
-#include "hal/farewell.hpp"
+#include "hal/guard/farewell.hpp"
+#include "hal/guard/guard_block.hpp"
 #include "hal/guard/guard_port.hpp"
-#include "hal/guard_block.hpp"
-#include "hal/spaced_stream.hpp"
-#include "hal/tty_speed.hpp"
+#include "hal/port/tty_speed.hpp"
+#include "hal/stream/spaced_stream.hpp"
 #include "oi/baud.hpp"
 #include "oi/command_table.hpp"
 #include "rt/clock.hpp"

@@ -8,10 +8,10 @@
 #include <cerrno>
 #include <system_error>
 
-#include "hal/frame_lists.hpp"
+#include "hal/cycle/frame_lists.hpp"
 #include "hal/jitter/line_slice.hpp"
-#include "hal/pty_transport.hpp"
-#include "hal/sim/pty_port.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/sim/line/pty_port.hpp"
 #include "oi/commands.hpp"
 #include "oi/encode.hpp"
 

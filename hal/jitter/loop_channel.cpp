@@ -1,12 +1,12 @@
 #include "hal/jitter/loop_channel.hpp"
 
-#include "hal/control_cycle.hpp"
-#include "hal/flight_recorder.hpp"
+#include "hal/cycle/control_cycle.hpp"
 #include "hal/jitter/line_slice.hpp"
 #include "hal/jitter/stamped_stream.hpp"
-#include "hal/pty_transport.hpp"
-#include "hal/recording_stream.hpp"
-#include "hal/sim/pty_port.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/recording/flight_recorder.hpp"
+#include "hal/recording/recording_stream.hpp"
+#include "hal/sim/line/pty_port.hpp"
 #include "oi/limits.hpp"
 #include "rt/unchecked.hpp"
 

@@ -2,17 +2,17 @@
 // virtual Create, which also tells when a frame had come over the wire and when a command had.
 #pragma once
 
-#include "hal/byte_stream.hpp"
 #include "hal/jitter/channel.hpp"
 #include "hal/jitter/frame_source.hpp"
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
+#include "hal/stream/byte_stream.hpp"
 
 namespace cargobay::hal::jitter {
 
-// Brings the robot up, as hal/bring_up.hpp does; when the channel is destroyed it is left in
-// Passive. `server`: the virtual Create at the stream's other end, which outlives the channel; null
-// for a robot. Then frames are complete when they wake the loop, and none is held back: `held` is
-// for the virtual Create's line, as its fault `held`.
+// Brings the robot up, as hal/bring_up/bring_up.hpp does; when the channel is destroyed it is left
+// in Passive. `server`: the virtual Create at the stream's other end, which outlives the channel;
+// null for a robot. Then frames are complete when they wake the loop, and none is held back: `held`
+// is for the virtual Create's line, as its fault `held`.
 Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
                                                     sim::Server* server, const Settings& settings,
                                                     const HeldFrame& held = {});

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "hal/byte_stream.hpp"
 #include "hal/jitter/channel.hpp"
 #include "hal/jitter/frame_source.hpp"
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
+#include "hal/stream/byte_stream.hpp"
 
 namespace cargobay::hal::jitter {
 

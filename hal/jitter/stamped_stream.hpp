@@ -2,8 +2,8 @@
 // clock a frame, and nothing else between the loop and its port.
 #pragma once
 
-#include "hal/forwarding_stream.hpp"
 #include "hal/jitter/frame_source.hpp"
+#include "hal/stream/forwarding_stream.hpp"
 
 namespace cargobay::hal::jitter {
 

@@ -7,9 +7,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "hal/control_cycle.hpp"
-#include "hal/flight_recorder.hpp"
-#include "hal/recording_stream.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/recording/flight_recorder.hpp"
+#include "hal/recording/recording_stream.hpp"
 #include "oi/encode.hpp"
 #include "rt/histogram.hpp"
 #include "rt/mailbox.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/sim/demo_view.hpp"
+#include "hal/sim/demos/demo_view.hpp"
 #include "tests/campaign/demo_run.hpp"
 #include "tests/campaign/floor_map.hpp"
 #include "tests/campaign/number.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "hal/sim/random.hpp"
-#include "hal/sim/world_drawing.hpp"
+#include "hal/sim/world/world_drawing.hpp"
 
 namespace cargobay::campaign {
 

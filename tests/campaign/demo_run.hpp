@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "hal/sim/path_recorder.hpp"
+#include "hal/sim/world/path_recorder.hpp"
 #include "oi/commands.hpp"
 #include "tests/campaign/random_room.hpp"
 

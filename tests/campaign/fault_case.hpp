@@ -1,5 +1,5 @@
-// The rows of the fault matrix: each named fault of the virtual Create (hal/sim/fault_command.hpp),
-// how long it lasts, and what must come of it.
+// The rows of the fault matrix: each named fault of the virtual Create
+// (hal/sim/remote/fault_command.hpp), how long it lasts, and what must come of it.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <chrono>
 #include <string_view>
 
-#include "hal/sim/fault_command.hpp"
+#include "hal/sim/remote/fault_command.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::campaign {

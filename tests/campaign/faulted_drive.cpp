@@ -4,12 +4,12 @@
 #include <memory>
 #include <utility>
 
-#include "hal/bring_up.hpp"
-#include "hal/farewell.hpp"
-#include "hal/sim/pins.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/guard/farewell.hpp"
+#include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/random.hpp"
-#include "hal/sim/uart_line.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/robot/pins.hpp"
+#include "hal/sim/robot/uart_line.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/campaign/faulted_stream.hpp"
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/cli/profile.hpp"
-#include "hal/control_cycle.hpp"
-#include "hal/sim/device.hpp"
+#include "hal/cli/drive/profile.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/sim/robot/device.hpp"
 #include "tests/campaign/fault_case.hpp"
 
 namespace cargobay::campaign {

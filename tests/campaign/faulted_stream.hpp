@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/byte_stream.hpp"
-#include "hal/sim/fault_command.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/remote/fault_command.hpp"
+#include "hal/stream/byte_stream.hpp"
 #include "oi/command_table.hpp"
 #include "oi/stream_budget.hpp"
 #include "rt/unchecked.hpp"

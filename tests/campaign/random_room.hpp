@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/sim/world.hpp"
+#include "hal/sim/world/world.hpp"
 
 namespace cargobay::campaign {
 

@@ -19,13 +19,13 @@
 #include <string_view>
 #include <utility>
 
-#include "hal/bring_up.hpp"
-#include "hal/control_cycle.hpp"
-#include "hal/open_port.hpp"
-#include "hal/robot.hpp"
-#include "hal/sim/device.hpp"
-#include "hal/sim/server.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/port/open_port.hpp"
+#include "hal/robot/robot.hpp"
+#include "hal/sim/line/server.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/campaign/number.hpp"
 

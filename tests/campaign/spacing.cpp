@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
 #include "tests/campaign/number.hpp"

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/pty_transport.hpp"
-#include "hal/sim/server.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/sim/line/server.hpp"
 #include "tests/conformance/rows.hpp"
 #include "tests/conformance/subject.hpp"
 

@@ -11,9 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/byte_stream.hpp"
-#include "hal/sim/device.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
+#include "hal/stream/byte_stream.hpp"
 #include "oi/baud.hpp"
 
 namespace cargobay::conformance {

@@ -1,7 +1,7 @@
 // Any text at all: refused with a message that stays in its buffer, or bytes whose commands,
 // written as text, make the same bytes again.
 
-#include "oi/command_text.hpp"
+#include "oi/text/command_text.hpp"
 
 #include <array>
 #include <cstdint>
@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "oi/describe.hpp"
 #include "oi/parse.hpp"
+#include "oi/text/describe.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // Any bytes as a recording, as they are and with their checksums put right; what can be read is
 // replayed.
-#include "hal/recording.hpp"
+#include "hal/recording/recording.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "hal/estimate_again.hpp"
-#include "hal/exchange.hpp"
-#include "hal/replay.hpp"
+#include "hal/recording/estimate_again.hpp"
+#include "hal/recording/exchange.hpp"
+#include "hal/recording/replay.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // Any input as a ring tone: the notes of what is accepted can be sent, an error has its place.
-#include "oi/rtttl.hpp"
+#include "oi/text/rtttl.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "oi/encode.hpp"
-#include "oi/song.hpp"
+#include "oi/text/song.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "oi/script_text.hpp"
+#include "oi/text/script_text.hpp"
 
 namespace {
 

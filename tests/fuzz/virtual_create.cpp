@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/control.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/remote/control.hpp"
 #include "oi/baud.hpp"
 
 namespace {

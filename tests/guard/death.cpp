@@ -16,8 +16,8 @@
 #include <functional>
 #include <utility>
 
-#include "hal/pty_transport.hpp"
-#include "hal/robot.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/robot/robot.hpp"
 #include "oi/baud.hpp"
 #include "rt/unchecked.hpp"
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::test {

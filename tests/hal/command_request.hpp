@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-#include "hal/request.hpp"
+#include "hal/cycle/request.hpp"
 
 namespace cargobay::hal::test {
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <span>
 
-#include "hal/byte_stream.hpp"
+#include "hal/stream/byte_stream.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::hal::test {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "hal/byte_stream.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/stream/byte_stream.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::hal::test {

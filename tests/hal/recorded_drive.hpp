@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/bring_up.hpp"
-#include "hal/control_cycle.hpp"
-#include "hal/flight_recorder.hpp"
-#include "hal/recording.hpp"
-#include "hal/recording_stream.hpp"
-#include "hal/sim/device.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/recording/flight_recorder.hpp"
+#include "hal/recording/recording.hpp"
+#include "hal/recording/recording_stream.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/hal/damaged_stream.hpp"
 

@@ -15,12 +15,12 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/control_cycle.hpp"
-#include "hal/guard.hpp"
-#include "hal/settings.hpp"
-#include "hal/sim/device.hpp"
+#include "hal/config/settings.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/guard/guard.hpp"
+#include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/parameters.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
 #include "oi/baud.hpp"
 #include "oi/limits.hpp"
 #include "rt/realtime.hpp"

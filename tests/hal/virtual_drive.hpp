@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "hal/bring_up.hpp"
-#include "hal/control_cycle.hpp"
-#include "hal/farewell.hpp"
-#include "hal/sim/device.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/guard/farewell.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
 #include "oi/stream_budget.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/hal/damaged_stream.hpp"

@@ -15,7 +15,7 @@ complain() {
 # As config.cpp names them: the first word in quotes of what makes a key.
 mapfile -t keys < <(tr '\n' ' ' < "$root/hal/config.cpp" |
   grep -oE '(_key\(|table\(|\{)"[a-z_0-9]+",' | grep -oE '[a-z_0-9]+",$' | tr -d '",' | sort -u)
-((${#keys[@]} >= 20)) || complain "found only ${#keys[@]} keys in hal/config.cpp"
+((${#keys[@]} >= 20)) || complain "found only ${#keys[@]} keys in hal/config/config.cpp"
 for key in "${keys[@]}"; do
   grep -qE "^#?(\[([a-z_]+\.)?$key(\.[a-z_]+)?\]|$key = )" "$example" || complain "$example: no $key"
   grep -qwF -- "${key//_/\\_}" "$root/docs/man/cargobay.toml.5" ||

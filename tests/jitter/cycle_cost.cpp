@@ -20,10 +20,10 @@
 #include <thread>
 #include <vector>
 
-#include "hal/byte_stream.hpp"
-#include "hal/control_cycle.hpp"
-#include "hal/forwarding_stream.hpp"
-#include "hal/pty_transport.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/stream/byte_stream.hpp"
+#include "hal/stream/forwarding_stream.hpp"
 #include "oi/encode.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_decoder.hpp"

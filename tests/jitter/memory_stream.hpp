@@ -8,8 +8,8 @@
 #include <cstring>
 #include <span>
 
-#include "hal/byte_stream.hpp"
 #include "hal/jitter/sample_frames.hpp"
+#include "hal/stream/byte_stream.hpp"
 #include "oi/command_table.hpp"
 #include "oi/limits.hpp"
 #include "rt/axis_filter.hpp"

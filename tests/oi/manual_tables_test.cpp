@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "oi/argument_names.hpp"
 #include "oi/baud.hpp"
 #include "oi/command_table.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/sensors.hpp"
-#include "oi/song.hpp"
+#include "oi/text/argument_names.hpp"
+#include "oi/text/song.hpp"
 
 namespace cargobay::oi {
 namespace {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/text/packet_name.hpp"
+
 namespace cargobay::oi {
 namespace {
 

@@ -7,14 +7,14 @@
 #include <string_view>
 #include <utility>
 
-#include "oi/argument_names.hpp"
 #include "oi/baud.hpp"
 #include "oi/command_table.hpp"
 #include "oi/extensions.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_budget.hpp"
-#include "oi/text_writer.hpp"
+#include "oi/text/argument_names.hpp"
+#include "oi/text/text_writer.hpp"
 
 namespace cargobay::oi {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "oi/script_text.hpp"
+#include "oi/text/script_text.hpp"
 
 namespace cargobay::oi {
 namespace {

@@ -1,9 +1,9 @@
 // kworker_latency [SECONDS]: how long a byte takes from its writer to a reader at SCHED_FIFO 80,
 // through a pipe, through a pseudo-terminal, and through one with the kworkers raised
-// (hal/kworker_boost.hpp): with nobody in the way, while a program at SCHED_FIFO 10 takes 60 % of
-// every CPU, and while ordinary programs, one more than there are CPUs, take all of them. The ways
-// take turns in one run, so that they see the same machine; SECONDS of each, 10 unless told. Prints
-// a table; judges nothing. Needs root or CAP_SYS_NICE.
+// (hal/machine/kworker_boost.hpp): with nobody in the way, while a program at SCHED_FIFO 10 takes
+// 60 % of every CPU, and while ordinary programs, one more than there are CPUs, take all of them.
+// The ways take turns in one run, so that they see the same machine; SECONDS of each, 10 unless
+// told. Prints a table; judges nothing. Needs root or CAP_SYS_NICE.
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-#include "hal/kworker_boost.hpp"
+#include "hal/machine/kworker_boost.hpp"
 #include "rt/clock.hpp"
 #include "rt/histogram.hpp"
 

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/sim/control_socket.hpp"
+#include "hal/sim/remote/control_socket.hpp"
 #include "tests/pty/control_client.hpp"
 #include "tests/pty/serial_client.hpp"
 #include "tests/pty/temporary_path.hpp"

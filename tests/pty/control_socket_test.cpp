@@ -1,4 +1,4 @@
-#include "hal/sim/control_socket.hpp"
+#include "hal/sim/remote/control_socket.hpp"
 
 #include <sys/stat.h>
 

@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
 #include "tests/pty/command.hpp"
 #include "tests/pty/serial_client.hpp"
 

@@ -1,6 +1,6 @@
 // Which program may be the guard.
 
-#include "hal/guard_program.hpp"
+#include "hal/guard/guard_program.hpp"
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // What becomes of the robot where its program does not end as it should: the guard's work. How long
 // that takes is a campaign's matter (tests/guard).
 
-#include "hal/guard.hpp"
+#include "hal/guard/guard.hpp"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "drive_fixture.hpp"
-#include "hal/pty_transport.hpp"
+#include "hal/port/pty_transport.hpp"
 
 namespace cargobay::test {
 namespace {

@@ -1,6 +1,6 @@
 // A port's descriptor among the user's: out of their way, known again, not kept by children.
 
-#include "hal/port_descriptor.hpp"
+#include "hal/file/port_descriptor.hpp"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "drive_fixture.hpp"
-#include "hal/pty_transport.hpp"
+#include "hal/port/pty_transport.hpp"
 
 namespace cargobay::test {
 namespace {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "drive_fixture.hpp"
-#include "hal/bring_up.hpp"
-#include "hal/open_port.hpp"
-#include "hal/sim/pty_port.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/port/open_port.hpp"
+#include "hal/sim/line/pty_port.hpp"
 
 namespace cargobay::hal::sim {
 namespace {

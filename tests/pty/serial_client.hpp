@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/tty_speed.hpp"
+#include "hal/port/tty_speed.hpp"
 
 namespace cargobay::hal::sim::test {
 

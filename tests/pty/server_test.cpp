@@ -1,4 +1,4 @@
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
 
 #include <sys/ioctl.h>
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "drive_fixture.hpp"
-#include "hal/sim/left_behind.hpp"
-#include "hal/sim/pty_port.hpp"
+#include "hal/sim/line/left_behind.hpp"
+#include "hal/sim/line/pty_port.hpp"
 
 namespace cargobay::test {
 namespace {

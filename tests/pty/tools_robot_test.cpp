@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/sim/server.hpp"
+#include "hal/sim/line/server.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
 #include "tests/pty/serial_client.hpp"

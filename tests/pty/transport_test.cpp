@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/pty_transport.hpp"
-#include "hal/tty_speed.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/port/tty_speed.hpp"
 
 namespace cargobay::hal {
 namespace {

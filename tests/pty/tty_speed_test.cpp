@@ -1,5 +1,5 @@
 // The rate of a terminal as the programs at its two ends see it.
-#include "hal/tty_speed.hpp"
+#include "hal/port/tty_speed.hpp"
 
 #include <fcntl.h>
 #include <termios.h>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/pty_transport.hpp"
-#include "hal/sim/pty_port.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/sim/line/pty_port.hpp"
 #include "oi/baud.hpp"
 #include "tests/pty/serial_client.hpp"
 

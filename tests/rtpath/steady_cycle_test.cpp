@@ -16,15 +16,15 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/bring_up.hpp"
-#include "hal/control_cycle.hpp"
-#include "hal/flight_recorder.hpp"
-#include "hal/pty_transport.hpp"
-#include "hal/recording_stream.hpp"
-#include "hal/robot.hpp"
-#include "hal/sim/device.hpp"
-#include "hal/sim/server.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/port/pty_transport.hpp"
+#include "hal/recording/flight_recorder.hpp"
+#include "hal/recording/recording_stream.hpp"
+#include "hal/robot/robot.hpp"
+#include "hal/sim/line/server.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
 #include "tests/rtpath/call_counters.hpp"
 
 namespace cargobay::hal {

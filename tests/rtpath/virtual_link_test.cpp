@@ -1,6 +1,6 @@
 // The virtual Create runs within the calls of its link: it may not allocate or lock there either,
 // or no test over it could say anything of the control cycle.
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/line/virtual_link.hpp"
 
 #include <array>
 #include <chrono>

@@ -1,7 +1,7 @@
 // libserialport's own code on a pseudo-terminal. It wants its port under /dev and under
 // /sys/class/tty, so the port is named by a path that leads to one link from both; and it asks for
 // modem lines, which a pseudo-terminal has not. This program answers in the kernel's place.
-#include "hal/serial_transport.hpp"
+#include "hal/port/serial_transport.hpp"
 
 #include <fcntl.h>
 #include <linux/serial.h>
@@ -24,10 +24,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/low_latency.hpp"
-#include "hal/open_port.hpp"
-#include "hal/port_lock.hpp"
-#include "hal/tty_speed.hpp"
+#include "hal/port/low_latency.hpp"
+#include "hal/port/open_port.hpp"
+#include "hal/port/port_lock.hpp"
+#include "hal/port/tty_speed.hpp"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/device.hpp"
-#include "hal/sim/virtual_link.hpp"
+#include "hal/sim/line/virtual_link.hpp"
+#include "hal/sim/robot/device.hpp"
 
 namespace cargobay::hal::sim::test {
 

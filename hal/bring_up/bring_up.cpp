@@ -1,0 +1,500 @@
+#include "hal/bring_up/bring_up.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpio/pulse_train.hpp"
+#include "hal/bring_up/bring_up_failure.hpp"
+#include "hal/bring_up/dialogue.hpp"
+#include "hal/guard/farewell.hpp"
+#include "oi/baud.hpp"
+#include "oi/commands.hpp"
+#include "oi/limits.hpp"
+#include "oi/stream_budget.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using gpio::Level;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kFrameTimeout{300};  // a stream begins within a tick
+constexpr milliseconds kReplyTime{60};      // after the time on the wire
+constexpr milliseconds kModeTimeout{800};
+constexpr milliseconds kBootTime{3500};  // from the toggle until the robot listens
+constexpr milliseconds kBootMargin{2500};
+constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
+constexpr milliseconds kIndicatorTimeout{1000};
+constexpr milliseconds kSendTimeout{1000};
+constexpr int kGoodFrames = 3;    // in the wanted mode, before the robot is believed
+constexpr int kAnswerFrames = 2;  // at some rate, before it is believed to be there
+constexpr auto kPassive = static_cast<std::uint8_t>(oi::Mode::passive);
+constexpr int kMostToggles = 2;  // the first may have switched off a robot that was on and deaf
+constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands, of questions
+// What a robot may have been left at, the likeliest first: what it starts at, and what hosts use.
+constexpr std::array<std::uint32_t, 3> kLikelyRates{57600, 19200, 115200};
+// Slowest first: a robot makes nothing of zeros that come more slowly than it listens.
+constexpr std::array<std::uint32_t, 9> kOtherRates{300,  600,   1200,  2400, 4800,
+                                                   9600, 14400, 28800, 38400};
+constexpr std::uint32_t kLeastFreedRate = 2400;  // in two seconds
+constexpr std::size_t kChangeBytes = 5;          // Start, Pause Stream, Baud
+constexpr auto kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
+    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
+// At a rate that cannot carry a stream the robot is asked for this, by Query List.
+constexpr auto kAskedList = oi::list_of<oi::PacketId, oi::kMaxQueryPackets>(
+    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::oi_mode);
+constexpr std::size_t kAskedBytes = 2 + 2 + 2 * kAskedList.size();  // Pause, Query List, the reply
+
+std::string at_baud(std::uint32_t baud) { return "at " + std::to_string(baud) + " baud"; }
+
+std::string milliseconds_text(std::chrono::nanoseconds time) {
+  return std::to_string(std::chrono::duration_cast<milliseconds>(time).count()) + " ms";
+}
+
+class BringUp {
+ public:
+  BringUp(ByteStream& stream, const BringUpRequest& request)
+      : stream_{stream},
+        request_{request},
+        talk_{stream, request.cancelled},
+        wanted_{stream.baud()},
+        began_{stream.now()},
+        powered_at_{began_} {}
+
+  Result<BringUpReport> run();
+
+ private:
+  enum class Step : std::uint8_t {
+    check_power,
+    power_on,
+    greet,           // at the wanted rate
+    pulse,           // on the BRC pin
+    search,          // at the other rates, the likely ones first
+    search_deeper,   // at the likely rates, freeing it from a half-sent command
+    listen,          // for one that boots, or prints that it is off or charging
+    search_deepest,  // at the other rates, freeing it there too
+    change_rate,     // by the Baud command
+    take_mode,
+    done,
+    failed,
+  };
+
+  // Each step returns the next.
+  Step take(Step step);
+  Step check_power();
+  Step power_on();
+  Step greet();
+  Step pulse();
+  Step search();
+  Step search_deeper();
+  Step listen();
+  Step search_deepest();
+  Step change_rate();
+  Step take_mode();
+
+  // How to get from the rate it was found at to the wanted one.
+  Step from(std::uint32_t baud);
+  Step give_up(BringUpTrouble trouble) {
+    trouble_ = trouble;
+    return Step::failed;
+  }
+  bool pulses_wanted() const {
+    return request_.pins.brc != nullptr && wanted_ == oi::kBrcBaud && pulse_tries_ < kMostTries;
+  }
+  bool toggle_left() const {
+    // One that is on would be switched off.
+    return request_.pins.power_toggle != nullptr && toggles_ < kMostToggles && known_on_ != true;
+  }
+  bool verify_pulsed();
+  bool widths_good(const gpio::PlayReport& report) const;
+
+  bool spoke() const;
+  // Whether it answers: by a stream, or by replies if the rate cannot carry one.
+  bool probe(std::uint32_t baud);
+  bool stirs(std::uint32_t baud);
+  bool streams(std::uint32_t baud);
+  bool replies(std::uint32_t baud);
+  bool probe_freed(std::uint32_t baud);
+  void note_silence(std::uint32_t baud) {
+    heard_.push_back({.baud = baud, .heard = talk_.heard()});
+    talk_.forget();
+  }
+  void set_port(std::uint32_t baud);
+  const oi::StreamList& list_at(std::uint32_t baud) const {
+    return baud == wanted_ ? request_.packets : kSearchList;
+  }
+  void tell(std::string_view step, std::string detail = "") {
+    step_ = step;
+    if (request_.progress)
+      request_.progress(
+          {.time = stream_.now() - began_, .step = step_, .detail = std::move(detail)});
+  }
+  std::optional<Level> look(gpio::Input* pin) const {
+    return pin == nullptr ? std::nullopt : pin->level();
+  }
+  Failure failure();
+
+  ByteStream& stream_;
+  const BringUpRequest& request_;
+  Dialogue talk_;
+  std::uint32_t wanted_;
+  rt::TimePoint began_;
+  rt::TimePoint powered_at_;  // where unknown: at the beginning, at the latest
+  std::optional<bool> known_on_{};
+  int toggles_ = 0;
+  int pulse_tries_ = 0;
+  int rate_tries_ = 0;
+  bool searched_ = false;
+  bool listened_ = false;
+  std::string step_{};
+  BringUpTrouble trouble_ = BringUpTrouble::silent;
+  std::error_code pin_error_{};
+  FramesHeard last_{};
+  std::vector<HeardAt> heard_{};
+  BringUpReport report_{};
+};
+
+BringUp::Step BringUp::take(Step step) {
+  if (talk_.over()) return Step::failed;
+  switch (step) {
+    case Step::check_power: return check_power();
+    case Step::power_on: return power_on();
+    case Step::greet: return greet();
+    case Step::pulse: return pulse();
+    case Step::search: return search();
+    case Step::search_deeper: return search_deeper();
+    case Step::listen: return listen();
+    case Step::search_deepest: return search_deepest();
+    case Step::change_rate: return change_rate();
+    case Step::take_mode: return take_mode();
+    case Step::done:
+    case Step::failed: break;
+  }
+  return step;
+}
+
+// Ends: each way back to an earlier step is counted, and its count limited.
+Result<BringUpReport> BringUp::run() {
+  stream_.discard_input();
+  Step step = Step::check_power;
+  while (step != Step::done && step != Step::failed) step = take(step);
+  if (step == Step::failed || talk_.over()) return failure();
+  report_.took = stream_.now() - began_;
+  return report_;
+}
+
+BringUp::Step BringUp::check_power() {
+  const std::optional<Level> level = look(request_.pins.power_sense);
+  if (!level) return Step::greet;
+  known_on_ = *level == Level::high;
+  tell("power", *known_on_ ? "on" : "off");
+  if (*known_on_) return Step::greet;
+  return toggle_left() ? Step::power_on : give_up(BringUpTrouble::switched_off);
+}
+
+BringUp::Step BringUp::power_on() {
+  ++toggles_;
+  tell("power on", "toggle: low, high, low");
+  const gpio::PlayReport played =
+      gpio::play(gpio::power_toggle(), *request_.pins.power_toggle, talk_, Level::low);
+  powered_at_ = stream_.now();
+  pin_error_ = played.line_error;
+  if (pin_error_) return give_up(BringUpTrouble::pin_failed);
+  if (request_.pins.power_sense != nullptr) {
+    const rt::TimePoint limit = stream_.now() + kIndicatorTimeout;
+    while (look(request_.pins.power_sense) != Level::high && stream_.now() < limit) {
+      if (!talk_.pause(milliseconds{10})) return Step::failed;
+    }
+    known_on_ = look(request_.pins.power_sense) == Level::high;
+    if (!*known_on_) return toggle_left() ? Step::power_on : give_up(BringUpTrouble::stays_off);
+  }
+  report_.powered_on = true;
+  searched_ = false;
+  pulse_tries_ = 0;
+  if (pulses_wanted()) return Step::pulse;
+  tell("boot", "until it listens, " + milliseconds_text(kBootTime));
+  if (!talk_.wait_until(powered_at_ + kBootTime)) return Step::failed;
+  talk_.forget();  // what it prints while it boots
+  return Step::greet;
+}
+
+BringUp::Step BringUp::greet() {
+  // One that has just been switched on may take its time.
+  const rt::TimePoint limit = toggles_ > 0 ? powered_at_ + kBootTime + kBootMargin : stream_.now();
+  do {
+    if (probe(wanted_)) return from(wanted_);
+  } while (!talk_.over() && stream_.now() < limit);
+  // Whether pulses fall on a robot that is off, nobody would know.
+  const bool may_be_off = toggle_left();
+  return pulses_wanted() && !may_be_off ? Step::pulse : Step::search;
+}
+
+bool BringUp::widths_good(const gpio::PlayReport& report) const {
+  return report.complete() && std::ranges::all_of(report.pulses(), [](const auto& pulse) {
+           return pulse.lasted >= gpio::kBrcLeastWidth && pulse.lasted <= gpio::kBrcMostWidth;
+         });
+}
+
+BringUp::Step BringUp::pulse() {
+  ++pulse_tries_;
+  set_port(wanted_);
+  const rt::TimePoint ready = powered_at_ + gpio::kBrcWaitAfterPowerOn;
+  if (stream_.now() < ready) {
+    tell("BRC wait", "until 2 s after power-on");
+    if (!talk_.wait_until(ready)) return Step::failed;
+  }
+  tell("BRC pulses", "three of " + milliseconds_text(gpio::kBrcWidth));
+  const auto train = gpio::brc_pulses();
+  if (!train) return give_up(BringUpTrouble::pin_failed);
+  report_.brc = gpio::play(*train, *request_.pins.brc, talk_, Level::high);
+  pin_error_ = report_.brc.line_error;
+  if (pin_error_) return give_up(BringUpTrouble::pin_failed);
+  talk_.forget();
+  if (widths_good(report_.brc) && verify_pulsed()) {
+    report_.rate_change = RateChange::brc;
+    return from(wanted_);
+  }
+  if (talk_.over()) return Step::failed;
+  if (pulses_wanted()) return Step::pulse;
+  return searched_ && report_.found_baud != 0 ? from(report_.found_baud) : Step::search;
+}
+
+// Booting, it is deaf for a while after the pulses.
+bool BringUp::verify_pulsed() {
+  const rt::TimePoint limit = std::max<rt::TimePoint>(
+      powered_at_ + (toggles_ > 0 ? kBootTime + kBootMargin : milliseconds{0}),
+      stream_.now() + 2 * kFrameTimeout);
+  while (!talk_.over() && stream_.now() < limit) {
+    if (probe(wanted_)) return true;
+  }
+  return !talk_.over() && probe_freed(wanted_);
+}
+
+BringUp::Step BringUp::from(std::uint32_t baud) {
+  if (report_.found_baud == 0) report_.found_baud = baud;
+  if (baud == wanted_) return Step::take_mode;
+  if (pulses_wanted()) return Step::pulse;
+  report_.found_baud = baud;
+  return Step::change_rate;
+}
+
+BringUp::Step BringUp::search() {
+  searched_ = true;
+  for (const std::uint32_t baud : kLikelyRates) {
+    if (baud != wanted_ && probe(baud)) return from(baud);
+    if (talk_.over()) return Step::failed;
+  }
+  // At once: freeing it at a likely rate sends hundreds of bytes to a robot that is at another.
+  for (const std::uint32_t baud : kOtherRates) {
+    if (spoke() || listened_) break;  // in vain: it boots or charges, or was looked for before
+    if (baud != wanted_ && probe(baud)) return from(baud);
+    if (talk_.over()) return Step::failed;
+  }
+  return Step::search_deeper;
+}
+
+BringUp::Step BringUp::search_deeper() {
+  std::vector<std::uint32_t> rates{wanted_};
+  for (const std::uint32_t baud : kLikelyRates) {
+    if (baud != wanted_) rates.push_back(baud);
+  }
+  for (const std::uint32_t baud : rates) {
+    if (probe_freed(baud)) return from(baud);
+    if (talk_.over()) return Step::failed;
+  }
+  set_port(wanted_);
+  return listened_ ? Step::search_deepest : Step::listen;
+}
+
+// Last, because few robots are there, and not where it takes seconds.
+BringUp::Step BringUp::search_deepest() {
+  if (toggle_left()) return Step::power_on;
+  for (const std::uint32_t baud : kOtherRates) {
+    if (spoke() || talk_.over()) break;
+    if (baud != wanted_ && baud >= kLeastFreedRate && probe_freed(baud)) return from(baud);
+  }
+  set_port(wanted_);
+  return give_up(BringUpTrouble::silent);
+}
+
+// It is off, boots or charges, at a rate that is known by that.
+bool BringUp::spoke() const {
+  return std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_text(); });
+}
+
+BringUp::Step BringUp::listen() {
+  listened_ = true;
+  for (const std::uint32_t baud : {oi::kDefaultBaud, oi::kBrcBaud}) {
+    set_port(baud);
+    stream_.discard_input();
+    tell("listen", at_baud(baud));
+    if (!talk_.pause(kListenTime)) return Step::failed;
+    note_silence(baud);
+  }
+  return Step::greet;
+}
+
+BringUp::Step BringUp::change_rate() {
+  ++rate_tries_;
+  const std::uint32_t former = report_.found_baud;
+  set_port(former);
+  tell("Baud", std::to_string(former) + " to " + std::to_string(wanted_));
+  talk_.send(oi::Start{});
+  talk_.pause(kModeChangeWait);
+  talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
+  talk_.send(oi::Baud{oi::baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
+  // What did not leave is not obeyed: the probe will tell.
+  (void)stream_.drain(kSendTimeout + oi::wire_time(kChangeBytes, former));
+  set_port(wanted_);
+  if (!talk_.pause(oi::kBaudChangeWait + kModeChangeWait)) return Step::failed;
+  if (probe(wanted_) || probe_freed(wanted_)) {
+    report_.rate_change = RateChange::command;
+    return Step::take_mode;
+  }
+  if (talk_.over()) return Step::failed;
+  return rate_tries_ < kMostTries ? Step::change_rate : give_up(BringUpTrouble::keeps_its_rate);
+}
+
+BringUp::Step BringUp::take_mode() {
+  for (int i = 0; i < kMostTries && !talk_.over(); ++i) {
+    if (i > 0) {
+      // One that streams already may hear nothing else: it takes what comes for data.
+      tell("resynchronise", at_baud(wanted_));
+      talk_.resynchronise();
+      report_.resynchronised = true;
+    }
+    if (request_.mode == oi::Mode::safe) {
+      tell("Safe");
+      talk_.send(oi::Safe{});
+    } else if (request_.mode == oi::Mode::full) {
+      tell("Full");
+      talk_.send(oi::Full{});
+    } else {
+      tell("Passive");
+    }
+    last_ = talk_.listen(request_.packets, request_.mode, kGoodFrames, kModeTimeout);
+    if (last_.in_mode < kGoodFrames) continue;
+    report_.mode = last_.mode;
+    if (last_.battery_mv != 0) report_.battery_mv = last_.battery_mv;
+    return Step::done;
+  }
+  return give_up(last_.frames > 0 ? BringUpTrouble::wrong_mode : BringUpTrouble::stream_ended);
+}
+
+bool BringUp::probe(std::uint32_t baud) {
+  set_port(baud);
+  stream_.discard_input();
+  tell("Start", at_baud(baud));
+  talk_.send(oi::Start{});
+  talk_.pause(kModeChangeWait);
+  const bool answers =
+      stirs(baud) && (oi::fits(list_at(baud), baud) ? streams(baud) : replies(baud));
+  if (!answers) note_silence(baud);
+  return answers;
+}
+
+// A robot at another rate makes other bytes of those it is sent, and commands of some: half a
+// Script, a demo. Of Start and this question, in any of its rates, it makes nothing
+// (tests/hal/bring_up/wrong_rate_test.cpp), so nothing else is sent where nobody answers.
+bool BringUp::stirs(std::uint32_t baud) {
+  for (int i = 0; i < kMostTries; ++i) {
+    talk_.send(oi::Sensors{oi::PacketId::wall});
+    if (!talk_.reply(1, oi::wire_time(3, baud) + kReplyTime).empty()) return true;
+  }
+  return false;
+}
+
+bool BringUp::streams(std::uint32_t baud) {
+  tell("Stream", at_baud(baud));
+  talk_.send(oi::Stream{list_at(baud)});
+  last_ = talk_.listen(list_at(baud), oi::Mode::passive, kAnswerFrames, kFrameTimeout);
+  if (last_.battery_mv != 0) report_.battery_mv = last_.battery_mv;
+  return last_.in_mode >= kAnswerFrames;
+}
+
+bool BringUp::replies(std::uint32_t baud) {
+  tell("Query List", at_baud(baud));
+  talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
+  for (int i = 0; i < kAnswerFrames; ++i) {
+    talk_.send(oi::QueryList{kAskedList});
+    const std::vector<std::uint8_t> reply =
+        talk_.reply(kAskedList.size(), oi::wire_time(kAskedBytes, baud) + kReplyTime);
+    if (reply.size() < kAskedList.size() || reply.front() != kPassive || reply.back() != kPassive)
+      return false;
+  }
+  return true;
+}
+
+bool BringUp::probe_freed(std::uint32_t baud) {
+  set_port(baud);
+  tell("resynchronise", at_baud(baud));
+  talk_.resynchronise();
+  if (talk_.over() || !probe(baud)) return false;
+  report_.resynchronised = true;
+  return true;
+}
+
+void BringUp::set_port(std::uint32_t baud) {
+  if (stream_.baud() == baud) return;
+  (void)stream_.set_baud(baud);  // a port that cannot is silent at that rate
+}
+
+Failure BringUp::failure() {
+  if (talk_.hung_up()) trouble_ = BringUpTrouble::hung_up;
+  if (talk_.cancelled()) trouble_ = BringUpTrouble::cancelled;
+  BringUpFailure why{.trouble = trouble_,
+                     .step = step_,
+                     .wanted_baud = wanted_,
+                     .found_baud = report_.found_baud,
+                     .heard = heard_,
+                     .wanted_mode = request_.mode,
+                     .mode = last_.mode,
+                     .charging = look(request_.pins.charging) == Level::high,
+                     .pulses_played = report_.brc.count > 0,
+                     .toggled = toggles_ > 0,
+                     .pin_error = pin_error_};
+  if (trouble_ == BringUpTrouble::keeps_its_rate) set_port(report_.found_baud);
+  const Parting left =
+      farewell(stream_);  // one call that failed does not say that the port is gone
+  if (request_.left != nullptr) *request_.left = left;
+  set_port(wanted_);
+  return explain(why);
+}
+
+Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
+  const auto* enough =
+      std::find_if(oi::kBaudRates.begin(), oi::kBaudRates.end(),
+                   [&packets](std::uint32_t rate) { return oi::fits(packets, rate); });
+  const std::string remedy = enough == oi::kBaudRates.end()
+                                 ? "stream fewer packets"
+                                 : "choose " + std::to_string(*enough) + " baud or more";
+  return {"frames of " + std::to_string(oi::frame_bytes(packets)) +
+          " bytes every 15 ms do not fit " + std::to_string(baud) + " baud, which carries " +
+          std::to_string(oi::bytes_per_tick(baud)) + " bytes in that time; " + remedy};
+}
+
+}  // namespace
+
+Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request) {
+  if (request.left != nullptr) *request.left = Parting::standing;  // as it was: nothing is sent yet
+  if (!oi::fits(request.packets, stream.baud())) {
+    return too_long(request.packets, stream.baud());
+  }
+  return BringUp{stream, request}.run();
+}
+
+std::string_view name(RateChange change) {
+  switch (change) {
+    case RateChange::none: return "none";
+    case RateChange::brc: return "brc";
+    case RateChange::command: return "baud command";
+  }
+  return "";
+}
+
+}  // namespace cargobay::hal

@@ -1,0 +1,75 @@
+// From an open port to a robot that streams frames in the wanted mode at the wanted rate, whatever
+// state it is found in; and back to Passive.
+//
+// Runs on the stream's clock, so in virtual time as well. Each step has a time limit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "gpio/pin.hpp"
+#include "gpio/pulse_player.hpp"
+#include "hal/guard/farewell.hpp"
+#include "hal/result.hpp"
+#include "hal/stream/byte_stream.hpp"
+#include "oi/command_table.hpp"
+#include "oi/commands.hpp"
+
+namespace cargobay::hal {
+
+// The robot's pins besides its serial port; null where not wired. Borrowed for the call.
+struct RobotPins {
+  gpio::Output* brc = nullptr;           // pin 15 of the cargo bay, 5 of the mini-DIN; high at rest
+  gpio::Output* power_toggle = nullptr;  // pin 3; low at rest
+  gpio::Input* power_sense = nullptr;    // switched 5 V, pin 8: high while the robot is on
+  gpio::Input* charging = nullptr;       // pin 13: high while it charges
+};
+
+struct BringUpEvent {
+  rt::Duration time{0};  // since the beginning
+  std::string step{};    // a word or two
+  std::string detail{};  // may be empty
+};
+
+struct BringUpRequest {
+  oi::Mode mode = oi::Mode::safe;  // passive, safe or full
+  oi::StreamList packets{};        // must hold oi_mode
+  RobotPins pins{};
+  // Told of each step as it begins, and of what came of it; may be empty.
+  std::function<void(const BringUpEvent&)> progress{};
+  // Asked every 20 ms: true ends the bring-up. May be empty.
+  std::function<bool()> cancelled{};
+  // Set by a failure: what became of the robot. May be null.
+  Parting* left = nullptr;
+};
+
+enum class RateChange : std::uint8_t { none, brc, command };
+
+struct BringUpReport {
+  rt::Duration took{0};
+  std::uint32_t found_baud = 0;  // where the robot first answered
+  RateChange rate_change = RateChange::none;
+  bool powered_on = false;      // by the toggle
+  bool resynchronised = false;  // freed from a half-sent command
+  gpio::PlayReport brc{};       // the last pulse train; no pulses where none was played
+  oi::Mode mode = oi::Mode::off;
+  std::int32_t battery_mv = 0;  // 0 where the list does not hold it
+};
+
+// The stream's rate is the wanted one, and is set again at the end. In turn, as far as needed:
+// power on by the toggle; Start and a question at the wanted rate, and Stream where it is answered;
+// three pulses on the BRC pin, 2 s after power-on, where 19200 is wanted and the pin is wired; a
+// search at all rates, 57600, 19200 and 115200 first; once more after freeing the robot from a
+// half-sent command, which at 1200 baud or less is not tried; the Baud command; the mode. The
+// first readings of the stream, which may be junk, are consumed. Every pin is released at the end.
+// Blocks for 0.2 s where the robot answers at once, for up to 40 s where all has to be tried. After
+// a failure the robot was told to stop and go Passive; the failure says at which step it ended,
+// what was heard, and what to check.
+Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
+
+std::string_view name(RateChange change);
+
+}  // namespace cargobay::hal

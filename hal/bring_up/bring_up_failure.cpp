@@ -1,0 +1,103 @@
+#include "hal/bring_up/bring_up_failure.hpp"
+
+#include <algorithm>
+
+#include "oi/baud.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+// The rates in the order they were tried, each once: "57600, 19200 and 115200 baud"; or all.
+std::string rates(const std::vector<HeardAt>& heard) {
+  std::vector<std::uint32_t> tried;
+  for (const HeardAt& at : heard) {
+    if (std::ranges::find(tried, at.baud) == tried.end()) tried.push_back(at.baud);
+  }
+  if (tried.size() == oi::kBaudRates.size()) return "all its rates";
+  std::string text;
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    if (i > 0) text += i + 1 == tried.size() ? " and " : ", ";
+    text += std::to_string(tried[i]);
+  }
+  return text + " baud";
+}
+
+// What was tried besides the rates.
+std::string tried(const BringUpFailure& why) {
+  std::string text;
+  if (why.toggled) text += ", after the power toggle";
+  if (why.pulses_played) text += ", after the BRC pulses";
+  return text;
+}
+
+std::string no_answer(const BringUpFailure& why) {
+  const auto& heard = why.heard;
+  const auto text =
+      std::ranges::find_if(heard, [](const HeardAt& at) { return at.heard.is_text(); });
+  if (text != heard.end()) {
+    return "the robot sends text at " + std::to_string(text->baud) + " baud (" +
+           text->heard.last_line + ") and answers nothing" + tried(why) +
+           ": it is charging or switched off; press its power button, and unplug the charger to "
+           "drive";
+  }
+  if (why.charging) {
+    return "the robot is silent at " + rates(heard) + tried(why) +
+           ", and charging by its pin 13; press its power button, and check TX and RX";
+  }
+  const auto noise =
+      std::ranges::max_element(heard, {}, [](const HeardAt& at) { return at.heard.bytes; });
+  if (noise != heard.end() && noise->heard.bytes > 0) {
+    return "heard " + std::to_string(noise->heard.bytes) + " bytes at " +
+           std::to_string(noise->baud) + " baud but no whole frame at " + rates(heard) +
+           tried(why) +
+           "; check ground, level shifter and that no console uses the port; or switch the robot "
+           "off and on";
+  }
+  return "the robot is silent at " + rates(heard) + tried(why) +
+         "; is it switched on, its battery charged, and are TX and RX the right way round, behind "
+         "a level shifter? A robot that waits in a script is deaf: switch it off and on";
+}
+
+std::string text(const BringUpFailure& why) {
+  switch (why.trouble) {
+    case BringUpTrouble::silent: return no_answer(why);
+    case BringUpTrouble::switched_off:
+      return "the robot is switched off: its power indicator is low; press its power button, or "
+             "name the line of its power toggle (pin 3)";
+    case BringUpTrouble::stays_off:
+      return "the power toggle did not switch the robot on: its power indicator stays low; check "
+             "the wiring of pins 3 and 8, their polarity, and the battery";
+    case BringUpTrouble::pin_failed:
+      return "the GPIO line cannot be set: " + why.pin_error.message() +
+             "; is its chip still there?";
+    case BringUpTrouble::keeps_its_rate:
+      return "the robot answers at " + std::to_string(why.found_baud) + " baud but not at " +
+             std::to_string(why.wanted_baud) + tried(why) +
+             " and the Baud command; check BRC transistor and polarity, or use --baud " +
+             std::to_string(why.found_baud);
+    case BringUpTrouble::wrong_mode:
+      return "the robot streams, but stays in " + std::string{oi::name(why.mode)} +
+             " mode instead of " + std::string{oi::name(why.wanted_mode)} +
+             "; set it on its wheels, away from edges, and unplug the charger";
+    case BringUpTrouble::stream_ended:
+      return "the robot answered at " + std::to_string(why.found_baud) +
+             " baud and then fell silent; check the cable and the battery, then start again";
+    case BringUpTrouble::hung_up:
+      return "the port hung up during bring-up; check the cable and that the robot's end is "
+             "running";
+    case BringUpTrouble::cancelled: return "interrupted";
+  }
+  return "";
+}
+
+}  // namespace
+
+Failure explain(const BringUpFailure& why) {
+  const std::string step = why.step.empty() ? "" : " at step " + why.step;
+  const std::error_code code = why.trouble == BringUpTrouble::cancelled
+                                   ? std::make_error_code(std::errc::operation_canceled)
+                                   : why.pin_error;
+  return {"bring-up failed" + step + ": " + text(why), code};
+}
+
+}  // namespace cargobay::hal

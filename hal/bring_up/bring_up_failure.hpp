@@ -1,0 +1,50 @@
+// Why a bring-up failed, and the line that says so.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "hal/bring_up/dialogue.hpp"
+#include "hal/result.hpp"
+#include "oi/command_table.hpp"
+
+namespace cargobay::hal {
+
+enum class BringUpTrouble : std::uint8_t {
+  silent,        // no answer at any rate; something else may have been heard
+  switched_off,  // so its indicator says, and there is no toggle
+  stays_off,     // so its indicator says, after the toggle
+  pin_failed,
+  keeps_its_rate,  // neither pulses nor the Baud command changed it
+  wrong_mode,
+  stream_ended,  // it answered, then fell silent
+  hung_up,
+  cancelled,
+};
+
+struct HeardAt {
+  std::uint32_t baud = 0;
+  Heard heard{};
+};
+
+struct BringUpFailure {
+  BringUpTrouble trouble = BringUpTrouble::silent;
+  std::string step{};  // the last that was told
+  std::uint32_t wanted_baud = 0;
+  std::uint32_t found_baud = 0;  // 0: it never answered
+  std::vector<HeardAt> heard{};  // each time that nothing answered
+  oi::Mode wanted_mode = oi::Mode::safe;
+  oi::Mode mode = oi::Mode::off;
+  bool charging = false;  // so the pin says
+  bool pulses_played = false;
+  bool toggled = false;
+  std::error_code pin_error{};
+};
+
+// One line: the step, what was heard, what to check.
+Failure explain(const BringUpFailure& why);
+
+}  // namespace cargobay::hal

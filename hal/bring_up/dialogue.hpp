@@ -1,0 +1,87 @@
+// Commands to a robot that may not be there, and what is heard meanwhile. For set-up and shutdown;
+// runs on the stream's clock, so in virtual time as well.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpio/pulse_player.hpp"
+#include "hal/stream/byte_stream.hpp"
+#include "hal/stream/write_all.hpp"
+#include "oi/command_table.hpp"
+#include "oi/commands.hpp"
+#include "oi/encode.hpp"
+#include "oi/sensors.hpp"
+#include "oi/stream_decoder.hpp"
+
+namespace cargobay::hal {
+
+// Since the beginning, or since the last forget().
+struct Heard {
+  std::size_t bytes = 0;
+  std::size_t printable = 0;
+  std::string last_line{};  // the last whole line of text, up to 60 characters of it
+
+  // Mostly text, and a line of it: what a robot prints that charges or is switched off.
+  bool is_text() const { return !last_line.empty() && printable * 4 > bytes * 3; }
+};
+
+// What frames of one list told.
+struct FramesHeard {
+  int frames = 0;  // of that very list
+  int in_mode = 0;
+  oi::Mode mode = oi::Mode::off;  // of the last
+  std::int32_t battery_mv = 0;    // where the list has it
+};
+
+class Dialogue final : public gpio::PulseClock {
+ public:
+  // The stream outlives it. `cancelled` is asked every 20 ms; empty: never cancelled.
+  Dialogue(ByteStream& stream, std::function<bool()> cancelled)
+      : stream_{stream}, cancelled_{std::move(cancelled)} {}
+
+  // By write_all(). What the port does not take is lost: an unanswered command is noticed by its
+  // silence.
+  template <typename Command>
+  void send(const Command& command) {
+    if (const auto bytes = oi::encode(command)) (void)write_all(stream_, *bytes);
+  }
+  // Completes any command that was cut short, and waits until that is through.
+  void resynchronise();
+
+  // Takes what comes, until then. False where the dialogue is over.
+  bool pause(rt::Duration duration) { return wait_until(stream_.now() + duration); }
+  TimePoint now() override { return stream_.now(); }
+  bool wait_until(TimePoint deadline) override;
+  // Until so many frames of the list in that mode came, or none did for too long.
+  FramesHeard listen(const oi::StreamList& packets, oi::Mode mode, int enough,
+                     rt::Duration timeout);
+
+  // The first `bytes` bytes that come, or what came of them within `timeout`.
+  std::vector<std::uint8_t> reply(std::size_t bytes, rt::Duration timeout);
+
+  bool hung_up() const { return hung_up_; }
+  bool cancelled() const { return was_cancelled_; }
+  bool over() const { return hung_up_ || was_cancelled_; }
+  const Heard& heard() const { return heard_; }
+  void forget() { heard_ = {}; }
+
+ private:
+  // What has come, no later than the deadline or a while; empty where nothing did.
+  std::span<const std::uint8_t> take(TimePoint deadline);
+  void note(std::span<const std::uint8_t> bytes);
+
+  ByteStream& stream_;
+  std::function<bool()> cancelled_;
+  bool hung_up_ = false;
+  bool was_cancelled_ = false;
+  Heard heard_{};
+  std::string line_{};
+  std::array<std::uint8_t, 256> bytes_{};
+};
+
+}  // namespace cargobay::hal

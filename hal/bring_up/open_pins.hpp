@@ -1,0 +1,49 @@
+// The GPIO lines that lead to the robot's pins.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gpio/line.hpp"
+#include "hal/bring_up/bring_up.hpp"
+#include "hal/result.hpp"
+
+namespace cargobay::hal {
+
+struct PinSetting {
+  gpio::LineAddress address{};
+  gpio::Polarity polarity = gpio::Polarity::direct;
+  gpio::Drive drive = gpio::Drive::push_pull;  // of an output
+  gpio::Bias bias = gpio::Bias::as_is;
+
+  bool wired() const { return !address.line.empty(); }
+};
+
+struct PinSettings {
+  PinSetting brc{};
+  PinSetting power_toggle{};
+  PinSetting power_sense{};
+  PinSetting charging{};
+};
+
+// The lines, held until this is destroyed; then each output is released.
+struct OpenPins {
+  std::unique_ptr<gpio::Output> brc{};
+  std::unique_ptr<gpio::Output> power_toggle{};
+  std::unique_ptr<gpio::Input> power_sense{};
+  std::unique_ptr<gpio::Input> charging{};
+
+  // Valid as long as this is.
+  RobotPins pins() const {
+    return {.brc = brc.get(),
+            .power_toggle = power_toggle.get(),
+            .power_sense = power_sense.get(),
+            .charging = charging.get()};
+  }
+};
+
+// Those that are wired. After a failure none is held. Blocks for a few ms; allocates.
+Result<OpenPins> open_pins(const PinSettings& settings);
+
+}  // namespace cargobay::hal

@@ -1,0 +1,93 @@
+#include "hal/cli/connect/connection.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "hal/cli/terminal/print.hpp"
+#include "oi/baud.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr const char* kPinGroup = "Pins";
+
+void add_line(CLI::App& command, const std::string& name, LineOptions& line,
+              const std::string& what) {
+  CLI::Option* number =
+      command.add_option("--" + name + "-line", line.line, what + ": line by offset or name");
+  number->group(kPinGroup);
+  // A chip without a line is a line forgotten.
+  command.add_option("--" + name + "-chip", line.chip, "GPIO chip of that line, by label or name")
+      ->group(kPinGroup)
+      ->needs(number);
+}
+
+void lay_over(const LineOptions& options, hal::PinSetting& pin) {
+  if (options.chip) pin.address.chip = *options.chip;
+  if (options.line) pin.address.line = *options.line;
+}
+
+void lay_over(const PinOptions& options, hal::PinSettings& pins) {
+  lay_over(options.brc, pins.brc);
+  lay_over(options.power, pins.power_toggle);
+  lay_over(options.power_sense, pins.power_sense);
+  lay_over(options.charging, pins.charging);
+  if (options.active_low) pins.brc.polarity = gpio::Polarity::inverted;
+  if (options.open_drain) pins.brc.drive = gpio::Drive::open_drain;
+  if (options.power_active_low) pins.power_toggle.polarity = gpio::Polarity::inverted;
+}
+
+}  // namespace
+
+void add_port_options(CLI::App& command, PortOptions& options) {
+  command.add_option("--port", options.port,
+                     "Serial port of the robot, or the pseudo-terminal of `cargobay sim`");
+  command.add_option("--baud", options.baud,
+                     "Baud rate to talk at [57600, or what the configuration says]");
+  command.add_option("--config", options.config_file,
+                     "Configuration file instead of /etc/cargobay.toml and "
+                     "$XDG_CONFIG_HOME/cargobay.toml; options override it");
+}
+
+void add_pin_options(CLI::App& command, PinOptions& options) {
+  add_line(command, "brc", options.brc, "To the Baud Rate Change pin");
+  add_line(command, "power", options.power, "To the power control toggle");
+  add_line(command, "power-sense", options.power_sense, "From the switched 5 V: high while on");
+  add_line(command, "charging", options.charging, "From the charging pin");
+  command
+      .add_flag("--active-low", options.active_low,
+                "The BRC line goes through an inverter, such as a transistor to ground")
+      ->group(kPinGroup);
+  command.add_flag("--open-drain", options.open_drain, "The BRC line only ever pulls low")
+      ->group(kPinGroup);
+  command
+      .add_flag("--power-active-low", options.power_active_low,
+                "The line of the power toggle goes through an inverter")
+      ->group(kPinGroup);
+}
+
+hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions& pins) {
+  auto config = hal::load_config(port.config_file);
+  if (!config) return config;
+  if (port.port) config->port = *port.port;
+  config->baud = port.baud ? *port.baud : config->baud.value_or(oi::kDefaultBaud);
+  lay_over(pins, config->pins);
+  if (!oi::baud_code(*config->baud)) {
+    return hal::Failure{fmt::format("the robot has no {} baud; choose 57600 or another of {}",
+                                    *config->baud, fmt::join(oi::kBaudRates, ", "))};
+  }
+  return config;
+}
+
+void protect_config(const PortOptions& port, Outputs& outputs) {
+  for (const std::string& file : hal::config_files(port.config_file))
+    outputs.protect("the configuration", file);
+}
+
+bool has_port(const hal::Config& config) {
+  if (!config.port.empty()) return true;
+  print_error("--port is required; list what there is with: cargobay ports");
+  return false;
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,55 @@
+// The options that say how a robot is wired: port, rate, pins; and the configuration file beneath
+// them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/config/config.hpp"
+#include "hal/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cargobay::cli {
+
+struct PortOptions {
+  std::string config_file;
+  std::optional<std::string> port{};
+  std::optional<std::uint32_t> baud{};
+};
+
+struct LineOptions {
+  std::optional<std::string> chip{};
+  std::optional<std::string> line{};
+};
+
+struct PinOptions {
+  LineOptions brc{};
+  LineOptions power{};
+  LineOptions power_sense{};
+  LineOptions charging{};
+  bool active_low = false;  // of the BRC line
+  bool open_drain = false;  // the same
+  bool power_active_low = false;
+
+  bool any_line() const { return brc.line || power.line || power_sense.line || charging.line; }
+};
+
+// `options` outlives the parsing.
+void add_port_options(CLI::App& command, PortOptions& options);
+void add_pin_options(CLI::App& command, PinOptions& options);
+
+// The configuration with the options on top. The rate is set, and one of the robot's.
+hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions& pins = {});
+
+// Keeps what configuration() reads from being written to.
+void protect_config(const PortOptions& port, Outputs& outputs);
+
+// For a command that is no use without a port: prints what is missing, and says so.
+bool has_port(const hal::Config& config);
+
+}  // namespace cargobay::cli

@@ -1,0 +1,72 @@
+// Commands to a robot and what comes back: replies, frames and text, each of them told apart.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/cli/terminal/signals.hpp"
+#include "hal/stream/byte_stream.hpp"
+#include "oi/sensors.hpp"
+#include "oi/stream_decoder.hpp"
+#include "oi/text_tail.hpp"
+
+namespace cargobay::cli {
+
+// Prints the text that the robot writes by itself, and the frames once show_frames() was called.
+class Conversation {
+ public:
+  // Both outlive it.
+  Conversation(hal::ByteStream& port, StopSignals& signals);
+
+  // False where the port did not take them within 2 s, or is gone.
+  [[nodiscard]] bool send(std::span<const std::uint8_t> bytes);
+  // Sends, and reads so many bytes: the reply, whole or as far as it came. A stream that runs is
+  // paused for it, as a reply has no frame to know it by. It waits until 15 ms after the last
+  // question: a robot is not asked more often (OI p. 13).
+  std::vector<std::uint8_t> ask(std::span<const std::uint8_t> request, std::size_t reply_bytes);
+  // The bytes that follow a reply.
+  std::vector<std::uint8_t> more_reply(std::size_t reply_bytes);
+  // Takes what comes for so long, or until a signal. False where the port is gone.
+  bool listen(rt::Duration duration);
+  // All that was sent has left, then the port runs at the other rate, and 100 ms pass.
+  [[nodiscard]] bool change_baud(std::uint32_t baud);
+  // What is left of a line of text.
+  void end_text();
+
+  void show_frames() { frames_shown_ = true; }
+  void set_streaming(bool streaming) { streaming_ = streaming; }
+  bool streaming() const { return streaming_; }
+  std::uint64_t frames() const { return decoder_.counters().frames; }
+  bool hung_up() const { return hung_up_; }
+  // The signal that came, if any.
+  std::optional<int> signal() const { return signal_; }
+  // From here on signals do not end anything: for the stop.
+  void ignore_signals() { signals_ignored_ = true; }
+
+ private:
+  bool interrupted();
+  // Waits for it, as long as it takes at the rate.
+  bool all_left();
+  void take(std::uint8_t byte);
+  void take_text();
+  void settle();
+  void print_frame(std::span<const std::uint8_t> frame) const;
+
+  hal::ByteStream& port_;
+  StopSignals& signals_;
+  oi::StreamDecoder decoder_{};
+  oi::TextTail tail_{};
+  std::uint64_t text_taken_ = 0;
+  std::string line_{};
+  bool frames_shown_ = false;
+  bool streaming_ = false;
+  bool hung_up_ = false;
+  bool signals_ignored_ = false;
+  std::optional<int> signal_{};
+  rt::TimePoint asked_at_{};  // last
+};
+
+}  // namespace cargobay::cli

@@ -1,0 +1,34 @@
+#include "hal/cli/connect/open_for_use.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "hal/cli/terminal/print.hpp"
+#include "hal/port/open_port.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+bool is_open_as(const std::string& port, int descriptor) {
+  struct stat named{};
+  struct stat open{};
+  return stat(port.c_str(), &named) == 0 && fstat(descriptor, &open) == 0 &&
+         S_ISCHR(named.st_mode) && S_ISCHR(open.st_mode) && named.st_rdev == open.st_rdev;
+}
+
+}  // namespace
+
+hal::Result<std::unique_ptr<hal::ByteStream>> open_for_use(const std::string& path,
+                                                           std::uint32_t baud) {
+  if (is_open_as(path, STDOUT_FILENO) || is_open_as(path, STDERR_FILENO)) {
+    return hal::Failure{path +
+                        " is also where this command prints to, and the robot would take its words "
+                        "for commands; redirect its output to somewhere else"};
+  }
+  auto port = hal::open_port(path, baud);
+  if (!port) return port.failure();
+  if (!port->remark.empty()) print_remark(port->remark);
+  return std::move(port->stream);
+}
+
+}  // namespace cargobay::cli

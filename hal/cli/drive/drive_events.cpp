@@ -1,0 +1,108 @@
+#include "hal/cli/drive/drive_events.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "oi/limits.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::int64_t kTicksAround = 8;
+
+double robot_time_s(std::int64_t tick) {
+  return static_cast<double>(tick) * rt::seconds(oi::kTick);
+}
+
+constexpr unsigned kBits = 8;  // of a set
+
+Json names(hal::Hazards hazards) {
+  Json names = Json::array();
+  for (unsigned bit = 0; bit < kBits; ++bit) {
+    const auto hazard = static_cast<hal::Hazard>(bit);
+    if (hazards.has(hazard)) names.push_back(hal::name(hazard));
+  }
+  return names;
+}
+
+Json names(oi::BitSet<oi::Overcurrent> overcurrents) {
+  Json names = Json::array();
+  for (unsigned bit = 0; bit < kBits; ++bit) {
+    if (overcurrents.has(static_cast<oi::Overcurrent>(bit)))
+      names.push_back(oi::bit_name(oi::PacketId::overcurrents, bit));
+  }
+  return names;
+}
+
+Json wheels(const rt::WheelSpeeds& speeds) {
+  return {{"left", speeds.left_mm_s}, {"right", speeds.right_mm_s}};
+}
+
+Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states) {
+  Json around = Json::array();
+  auto state = std::lower_bound(
+      states.begin(), states.end(), tick - kTicksAround,
+      [](const hal::CycleState& each, std::int64_t first) { return each.tick < first; });
+  for (; state != states.end() && state->tick <= tick + kTicksAround; ++state) {
+    around.push_back({{"tick", state->tick},
+                      {"mode", oi::name(state->mode)},
+                      {"hazards", names(state->hazards)},
+                      {"set_mm_s", wheels(state->set)},
+                      {"estimate_mm_s", wheels(state->estimate)},
+                      {"command_mm_s", wheels(state->command)}});
+  }
+  return around;
+}
+
+// What only events of this kind have.
+void put_details(Json& out, const hal::Event& event) {
+  using Kind = hal::EventKind;
+  switch (event.what) {
+    case Kind::mode_lost:
+    case Kind::rearm_failed:
+      out["mode"] = oi::name(event.mode);
+      out["hazards"] = names(event.hazards);
+      break;
+    case Kind::overcurrent_began: out["overcurrents"] = names(event.overcurrents); break;
+    case Kind::battery_low:
+    case Kind::battery_recovered:
+    case Kind::charging_began:
+    case Kind::charging_ended:
+      out["battery"] = {{"mv", event.battery.voltage_mv},
+                        {"charge_mah", event.battery.charge_mah},
+                        {"capacity_mah", event.battery.capacity_mah}};
+      break;
+    case Kind::frames_lost: out["frames"] = event.frames; break;
+    case Kind::port_shared:
+      out["process"] = {{"id", event.process}, {"name", event.process_name.data()}};
+      break;
+    default: break;  // the kind says it all
+  }
+}
+
+}  // namespace
+
+std::string line(const hal::Event& event) {
+  return fmt::format("{:8.3f} s  {}\n", robot_time_s(event.tick), hal::describe(event));
+}
+
+std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states) {
+  Json list = Json::array();
+  for (const hal::Event& event : events) {
+    Json out{{"what", hal::name(event.what)},
+             {"tick", event.tick},
+             {"time_s", robot_time_s(event.tick)},
+             {"text", hal::describe(event)}};
+    put_details(out, event);
+    if (event.what != hal::EventKind::frames_lost)
+      out["states"] = states_around(event.tick, states);
+    list.push_back(std::move(out));
+  }
+  return list.dump();
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,20 @@
+// The events of a drive, as lines for people and as JSON for programs.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/events.hpp"
+
+namespace cargobay::cli {
+
+// "  12.345 s  a cliff ...", with its end of line; the time is the robot's.
+std::string line(const hal::Event& event);
+
+// A JSON array. `states`: of the whole drive, in order. An event carries those of the ticks around
+// it, except where frames were lost: on a bad line that is too many.
+std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states);
+
+}  // namespace cargobay::cli

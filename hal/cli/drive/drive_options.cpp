@@ -1,0 +1,145 @@
+#include "hal/cli/drive/drive_options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "hal/cli/drive/profile.hpp"
+#include "hal/config/settings.hpp"
+#include "oi/limits.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr double kLongestWaitS = 86400.0;
+
+int priority(const DriveOptions& options, const hal::Config& config) {
+  return options.priority.value_or(config.priority.value_or(rt::RealtimeRequest{}.priority));
+}
+
+}  // namespace
+
+std::optional<hal::Failure> check(const DriveOptions& options) {
+  if (!(std::abs(options.speed_mm_s) <= oi::kMaxWheelSpeed)) {
+    return hal::Failure{
+        fmt::format("--speed {:g} is beyond the robot's -500 to 500 mm/s", options.speed_mm_s)};
+  }
+  const bool sensible = options.duration_s > 0.0 && options.duration_s <= 86400.0;  // false for NaN
+  if (!sensible) {
+    return hal::Failure{
+        fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
+  }
+  if (!hal::kGuardDeadlineMs.contains(options.guard_deadline_ms)) {
+    return hal::Failure{fmt::format("--guard-deadline {:g} is not from {} ms",
+                                    options.guard_deadline_ms, hal::kGuardDeadlineMs.words())};
+  }
+  const bool waits = reconnect_s(options) > 0.0 && reconnect_s(options) <= kLongestWaitS;
+  if (!options.reconnect.empty() && !waits) {
+    return hal::Failure{fmt::format("--reconnect={} is not above 0 and up to {:g} seconds",
+                                    options.reconnect, kLongestWaitS)};
+  }
+  if (options.record_file == "-")
+    return hal::Failure{"--record needs the name of a file: a recording is not for reading"};
+  return std::nullopt;
+}
+
+std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs) {
+  protect_config(options.connection, outputs);
+  if (!Profile::is_named(options.profile)) outputs.protect("the profile", options.profile);
+  if (auto failure = outputs.open("--record", options.record_file)) return failure;
+  if (auto failure = outputs.open("--json", options.json_file)) return failure;
+  return outputs.open("--plot", options.plot_file);
+}
+
+double reconnect_s(const DriveOptions& options) {
+  if (options.reconnect.empty()) return 0.0;
+  const char* const end = options.reconnect.data() + options.reconnect.size();
+  double seconds = 0.0;
+  const auto [parsed, error] = std::from_chars(options.reconnect.data(), end, seconds);
+  const bool number = error == std::errc{} && parsed == end;
+  return number ? seconds : std::numeric_limits<double>::quiet_NaN();
+}
+
+hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config) {
+  hal::RobotOptions robot;
+  hal::apply(config, robot.cycle);
+  robot.cycle.loop.feedback =
+      options.open_loop ? rt::WheelLoop::Feedback::open : rt::WheelLoop::Feedback::closed;
+  robot.cycle.drive_mode = options.full ? oi::Mode::full : oi::Mode::safe;
+  robot.realtime = {.priority = priority(options, config),
+                    .cpu = options.cpu ? options.cpu : config.cpu};
+  robot.require_realtime = options.require_rt || config.require_realtime;
+  robot.guard.use =
+      options.no_guard ? hal::GuardOptions::Use::none : hal::GuardOptions::Use::required;
+  robot.guard.deadline = std::chrono::duration_cast<rt::Duration>(
+      std::chrono::duration<double, std::milli>{options.guard_deadline_ms});
+  return robot;
+}
+
+void add_drive_options(CLI::App& command, DriveOptions& options) {
+  add_port_options(command, options.connection);
+  command.add_flag("--virtual", options.builtin,
+                   "Drive a virtual Create of its own, though the configuration names a port");
+  command
+      .add_option("--profile", options.profile,
+                  "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
+                  "RIGHT_MM_S, repeated until the end")
+      ->capture_default_str();
+  command
+      .add_option("--speed", options.speed_mm_s,
+                  "Wheel speed of the named profiles in mm/s, -500 to 500")
+      ->capture_default_str();
+  command.add_option("--duration", options.duration_s, "Seconds to drive")->capture_default_str();
+  command.add_flag("--open-loop", options.open_loop,
+                   "Send the set speeds as they are, to see what the loop is good for");
+  command.add_flag(
+      "--full", options.full,
+      "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
+  command.add_flag("--reconnect{30}", options.reconnect,
+                   "Where the port hangs up or the robot falls silent, wait for so many seconds "
+                   "(--reconnect=60; by itself 30), and drive on when it is back");
+  command.add_option("--json", options.json_file,
+                     "Write the results to this file; - for standard output");
+  command.add_option("--plot", options.plot_file,
+                     "Draw set, true, estimated and commanded speed to this SVG file");
+  command.add_option("--record", options.record_file,
+                     "Record every byte, time and state to this file, for cargobay replay and plot "
+                     "(about 10 kB a second)");
+  command.add_flag("--require-rt", options.require_rt,
+                   "Fail if SCHED_FIFO or locked memory is refused");
+  command
+      .add_option("--guard-deadline", options.guard_deadline_ms,
+                  "Milliseconds without a sign of life of the loop, after which the guard process "
+                  "stops the robot, " +
+                      hal::kGuardDeadlineMs.words())
+      ->capture_default_str();
+  command.add_flag(
+      "--no-guard", options.no_guard,
+      "Drive without the guard process: if this program dies the wheels go on turning");
+  command.add_flag("--boost-kworkers", options.boost_kworkers,
+                   "Give the kernel threads that hand over the port's bytes a real-time priority "
+                   "too, just below the loop's, until the end (needs CAP_SYS_NICE)");
+  command
+      .add_option(
+          "--priority", options.priority,
+          fmt::format("SCHED_FIFO priority of the loop [{}]", rt::RealtimeRequest{}.priority))
+      ->check(CLI::Range(static_cast<int>(hal::kPriority.least),
+                         static_cast<int>(hal::kPriority.most)));
+  command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
+  add_pin_options(command, options.pins);
+  add_sim_options(command, options.sim);
+  command.footer(
+      "Examples:\n"
+      "  cargobay drive\n"
+      "  cargobay drive --profile steps --remainder lost --plot steps.svg\n"
+      "  cargobay drive --baud 19200\n"
+      "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300\n"
+      "  cargobay drive --port /dev/ttyUSB0 --duration 3600 --reconnect=60\n"
+      "  cargobay drive --record drive.rec");
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,58 @@
+// What `cargobay drive` is told: its options, whether they make sense, and what they mean for the
+// robot.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hal/cli/connect/connection.hpp"
+#include "hal/cli/connect/sim_options.hpp"
+#include "hal/cli/terminal/outputs.hpp"
+#include "hal/config/config.hpp"
+#include "hal/result.hpp"
+#include "hal/robot/robot.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cargobay::cli {
+
+struct DriveOptions {
+  PortOptions connection{};
+  PinOptions pins{};
+  bool builtin = false;
+  std::string profile = "straight";
+  double speed_mm_s = 200.0;
+  double duration_s = 10.0;
+  bool open_loop = false;
+  bool full = false;
+  bool require_rt = false;
+  bool no_guard = false;
+  double guard_deadline_ms = 150.0;
+  bool boost_kworkers = false;
+  std::optional<int> priority{};
+  std::optional<int> cpu{};
+  std::string reconnect;  // seconds to wait for a lost port; empty: not at all
+  std::string json_file;
+  std::string plot_file;
+  std::string record_file;
+  SimOptions sim{};
+};
+
+// `options` outlives the parsing.
+void add_drive_options(CLI::App& command, DriveOptions& options);
+
+// What can be wrong with the values, found before anything moves.
+std::optional<hal::Failure> check(const DriveOptions& options);
+
+// Its files, opened.
+std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs);
+
+// --reconnect as a number: not a number where it is none, 0 where it was not given.
+double reconnect_s(const DriveOptions& options);
+
+// The robot as options and configuration want it; without its pins.
+hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config);
+
+}  // namespace cargobay::cli

@@ -1,0 +1,147 @@
+#include "hal/cli/drive/drive_report.hpp"
+
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "hal/cli/connect/findings.hpp"
+#include "hal/cli/drive/drive_events.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+double milliseconds(std::uint64_t ns) { return static_cast<double>(ns) / 1e6; }
+
+void put_wheels(std::string& out, const DriveFigures& figures) {
+  const auto row = [&](std::string_view what, double left, double right) {
+    fmt::format_to(std::back_inserter(out), "  {:<34}{:>10.1f}{:>10.1f}  mm/s\n", what, left,
+                   right);
+  };
+  const WheelFigures& l = figures.left;
+  const WheelFigures& r = figures.right;
+  fmt::format_to(std::back_inserter(out), "{:<36}{:>10}{:>10}\n", "Wheel speed", "left", "right");
+  row("set, mean", l.mean_set_mm_s, r.mean_set_mm_s);
+  row("estimated, mean", l.mean_estimate_mm_s, r.mean_estimate_mm_s);
+  if (figures.has_truth) row("true, mean", l.mean_truth_mm_s, r.mean_truth_mm_s);
+  const std::string_view witness = figures.has_truth ? "true" : "estimated";
+  if (figures.has_steady)
+    row(fmt::format("steady error ({} - set)", witness), l.steady_error_mm_s, r.steady_error_mm_s);
+  row(fmt::format("tracking error, rms ({} - set)", witness), l.tracking_rmse_mm_s,
+      r.tracking_rmse_mm_s);
+  if (figures.has_truth)
+    row("estimate error, rms (est. - true)", l.estimate_rmse_mm_s, r.estimate_rmse_mm_s);
+}
+
+void put_timing(std::string& out, std::string_view what, const rt::Histogram& histogram) {
+  fmt::format_to(std::back_inserter(out), "  {:<34}{:>10.3f}{:>10.3f}{:>10.3f}  ms\n", what,
+                 milliseconds(histogram.percentile(50)), milliseconds(histogram.percentile(99)),
+                 milliseconds(histogram.max()));
+}
+
+std::string rights(const rt::RealtimeGrant& grant) {
+  std::string out = grant.fifo ? fmt::format("SCHED_FIFO priority {}", grant.priority)
+                               : "ordinary scheduling (SCHED_OTHER)";
+  out += ", " + rt::describe_memory(grant);
+  if (grant.cpu.has_value()) out += fmt::format(", CPU {}", *grant.cpu);
+  return out;
+}
+
+// What is well goes without saying.
+void put_findings(std::string& out, const std::vector<hal::Finding>& findings) {
+  for (const hal::Finding& finding : findings) {
+    if (finding.verdict == hal::Finding::Verdict::good) continue;
+    const std::string_view label = finding.verdict == hal::Finding::Verdict::bad ? "Bad" : "Advice";
+    fmt::format_to(std::back_inserter(out), "{:<11}{}: {}\n", label, finding.what, finding.remedy);
+  }
+}
+
+}  // namespace
+
+std::string name(rt::RemainderBelief belief) {
+  switch (belief) {
+    case rt::RemainderBelief::unknown: return "unknown";
+    case rt::RemainderBelief::carried: return "carried";
+    case rt::RemainderBelief::lost: return "lost";
+  }
+  return "unknown";
+}
+
+std::string table(const DriveReport& report) {
+  std::string out;
+  const auto to_out = std::back_inserter(out);
+  put_wheels(out, report.figures);
+  fmt::format_to(to_out, "{:<36}{:>10}{:>10}{:>10}\n", "Timing", "p50", "p99", "max");
+  put_timing(out, "loop period", *report.period_ns);
+  put_timing(out, "frame to command", *report.frame_to_command_ns);
+  fmt::format_to(to_out, "Frames     {} good, {} bad, {} lost\n", report.frames.good,
+                 report.frames.bad, report.frames.lost);
+  const hal::PhaseOverruns& late = report.overruns;
+  fmt::format_to(to_out, "Overruns   {} wait, {} read, {} control function, {} write\n", late.wait,
+                 late.read, late.user, late.write);
+  if (report.refused_controls > 0) {
+    fmt::format_to(to_out, "Refused    {} answers of the control function\n",
+                   report.refused_controls);
+  }
+  if (report.events_dropped > 0) {
+    fmt::format_to(to_out, "Events     {} more than there was room for\n", report.events_dropped);
+  }
+  if (report.reconnects > 0)
+    fmt::format_to(to_out, "Link       {} reconnected, {:.1f} s without\n", report.reconnects,
+                   rt::seconds(report.without_link));
+  fmt::format_to(to_out, "Robot      {} on {} at {} baud, remainder of distance and angle: {}\n",
+                 report.robot, report.port, report.baud, name(report.remainder));
+  fmt::format_to(to_out, "Real time  {}\n", rights(report.grant));
+  put_findings(out, report.findings);
+  return out;
+}
+
+std::string json(const DriveReport& report) {
+  using nlohmann::json;
+  const auto pair = [](double left, double right) {
+    return json{{"left", left}, {"right", right}};
+  };
+  const WheelFigures& l = report.figures.left;
+  const WheelFigures& r = report.figures.right;
+  json out{
+      {"port", report.port},
+      {"baud", report.baud},
+      {"loop", report.open_loop ? "open" : "closed"},
+      {"remainder", name(report.remainder)},
+      {"scheduler", report.grant.fifo ? "SCHED_FIFO" : "SCHED_OTHER"},
+      {"priority", report.grant.priority},
+      {"memory_locked", report.grant.memory_locked},
+      {"ticks", report.ticks},
+      {"frames_good", report.frames.good},
+      {"frames_bad", report.frames.bad},
+      {"frames_lost", report.frames.lost},
+      {"overruns",
+       {{"wait", report.overruns.wait},
+        {"read", report.overruns.read},
+        {"user", report.overruns.user},
+        {"write", report.overruns.write}}},
+      {"control_refused", report.refused_controls},
+      {"events", json::parse(cli::json(report.events, *report.states))},
+      {"events_dropped", report.events_dropped},
+      {"reconnects", report.reconnects},
+      {"without_link_s", rt::seconds(report.without_link)},
+      {"steady_error_mm_s",
+       report.figures.has_steady ? pair(l.steady_error_mm_s, r.steady_error_mm_s) : json{}},
+      {"tracking_rmse_mm_s", pair(l.tracking_rmse_mm_s, r.tracking_rmse_mm_s)},
+      {"period_ns",
+       {{"p50", report.period_ns->percentile(50)},
+        {"p99", report.period_ns->percentile(99)},
+        {"max", report.period_ns->max()}}},
+      {"frame_to_command_ns",
+       {{"p50", report.frame_to_command_ns->percentile(50)},
+        {"p99", report.frame_to_command_ns->percentile(99)},
+        {"p999", report.frame_to_command_ns->percentile(99.9)},
+        {"max", report.frame_to_command_ns->max()}}},
+  };
+  out["findings"] = json::parse(cli::json(report.findings));
+  if (report.figures.has_truth)
+    out["estimate_rmse_mm_s"] = pair(l.estimate_rmse_mm_s, r.estimate_rmse_mm_s);
+  return out.dump(2) + "\n";
+}
+
+}  // namespace cargobay::cli

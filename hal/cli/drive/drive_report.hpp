@@ -1,0 +1,43 @@
+// The result of a drive, as a table for people and as JSON for programs.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/cli/drive/drive_log.hpp"
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/doctor/doctor.hpp"
+#include "rt/clock.hpp"
+#include "rt/realtime.hpp"
+
+namespace cargobay::cli {
+
+struct DriveReport {
+  std::string port{};
+  std::string robot{};  // what it is
+  std::uint32_t baud = 0;
+  bool open_loop = false;
+  rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
+  rt::RealtimeGrant grant{};
+  std::int64_t ticks = 0;
+  hal::FrameCounters frames{};
+  hal::PhaseOverruns overruns{};
+  std::uint64_t refused_controls = 0;
+  std::span<const hal::Event> events{};  // borrowed
+  std::uint64_t events_dropped = 0;
+  const std::vector<hal::CycleState>* states = nullptr;  // of all ticks, borrowed
+  DriveFigures figures{};
+  const rt::Histogram* period_ns = nullptr;            // borrowed
+  const rt::Histogram* frame_to_command_ns = nullptr;  // borrowed
+  int reconnects = 0;                                  // the port came back so often
+  rt::Duration without_link{0};                        // in all
+  std::vector<hal::Finding> findings{};                // of the machine, before the drive
+};
+
+std::string name(rt::RemainderBelief belief);
+std::string table(const DriveReport& report);
+std::string json(const DriveReport& report);
+
+}  // namespace cargobay::cli

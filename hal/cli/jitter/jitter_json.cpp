@@ -1,0 +1,162 @@
+// The JSON of `cargobay jitter --json`, written and read.
+#include <nlohmann/json.hpp>
+
+#include "hal/cli/jitter/jitter_summary.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kFormat = 1;
+
+json of(const Percentiles& p) {
+  return {{"count", p.count}, {"min", p.min},   {"p50", p.p50}, {"p90", p.p90},
+          {"p99", p.p99},     {"p999", p.p999}, {"max", p.max}};
+}
+Percentiles percentiles(const json& in) {
+  return {.count = in.at("count"),
+          .min = in.at("min"),
+          .p50 = in.at("p50"),
+          .p90 = in.at("p90"),
+          .p99 = in.at("p99"),
+          .p999 = in.at("p999"),
+          .max = in.at("max")};
+}
+
+json of(const hal::jitter::Estimate& estimate) {
+  return {{"ratio", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
+hal::jitter::Estimate estimate(const json& in) {
+  return {.value = in.at("ratio"), .low = in.at("low"), .high = in.at("high")};
+}
+
+json of(const ChannelSummary& channel) {
+  json stages = json::object();
+  for (const auto& [name, figures] : channel.stages) stages[name] = of(figures);
+  return {{"name", channel.name},
+          {"headline", channel.headline},
+          {"period_ns", channel.period_ns},
+          {"frames", channel.frames},
+          {"missed", channel.missed},
+          {"latency_ns", of(channel.figures)},
+          {"uncorrected_ns", of(channel.raw)},
+          {"stages_ns", stages},
+          {"histogram_ns", channel.buckets},
+          {"uncorrected_histogram_ns", channel.raw_buckets},
+          {"slices_p50_p99_ns", channel.slices}};
+}
+ChannelSummary channel(const json& in) {
+  ChannelSummary channel{.name = in.at("name"),
+                         .headline = in.at("headline"),
+                         .period_ns = in.at("period_ns"),
+                         .frames = in.at("frames"),
+                         .missed = in.at("missed"),
+                         .figures = percentiles(in.at("latency_ns")),
+                         .raw = percentiles(in.at("uncorrected_ns"))};
+  for (const auto& [name, figures] : in.at("stages_ns").items())
+    channel.stages.push_back({name, percentiles(figures)});
+  in.at("histogram_ns").get_to(channel.buckets);
+  in.at("uncorrected_histogram_ns").get_to(channel.raw_buckets);
+  in.at("slices_p50_p99_ns").get_to(channel.slices);
+  return channel;
+}
+
+json of(const hal::jitter::Conditions& now) {
+  return {{"kernel", now.kernel},
+          {"preemption", now.preemption},
+          {"board", now.board},
+          {"processor", now.processor},
+          {"processors", now.processors},
+          {"governor", now.governor},
+          {"temperature_c", now.temperature_c ? json(*now.temperature_c) : json{}},
+          {"throttled", now.throttled ? json(*now.throttled) : json{}},
+          {"load", now.load}};
+}
+hal::jitter::Conditions conditions(const json& in) {
+  hal::jitter::Conditions then{.kernel = in.at("kernel"),
+                               .preemption = in.at("preemption"),
+                               .board = in.at("board"),
+                               .processor = in.at("processor"),
+                               .processors = in.at("processors"),
+                               .governor = in.at("governor"),
+                               .load = in.at("load")};
+  if (!in.at("temperature_c").is_null()) then.temperature_c = in.at("temperature_c").get<double>();
+  if (!in.at("throttled").is_null()) then.throttled = in.at("throttled").get<std::uint32_t>();
+  return then;
+}
+
+json of(const hal::jitter::Usage& usage) {
+  return {{"steal_s", usage.steal_s},
+          {"busy_s", usage.busy_s},
+          {"voluntary_switches", usage.voluntary_switches},
+          {"involuntary_switches", usage.involuntary_switches},
+          {"minor_faults", usage.minor_faults},
+          {"major_faults", usage.major_faults}};
+}
+hal::jitter::Usage usage(const json& in) {
+  return {.steal_s = in.at("steal_s"),
+          .busy_s = in.at("busy_s"),
+          .voluntary_switches = in.at("voluntary_switches"),
+          .involuntary_switches = in.at("involuntary_switches"),
+          .minor_faults = in.at("minor_faults"),
+          .major_faults = in.at("major_faults")};
+}
+
+}  // namespace
+
+std::string json(const JitterSummary& summary) {
+  nlohmann::json channels = nlohmann::json::array();
+  for (const ChannelSummary& channel : summary.channels) channels.push_back(of(channel));
+  nlohmann::json ratios = nlohmann::json::array();
+  for (const RatioSummary& ratio : summary.ratios) {
+    ratios.push_back({{"over", ratio.over},
+                      {"under", ratio.under},
+                      {"p50", of(ratio.p50)},
+                      {"p99", of(ratio.p99)}});
+  }
+  const nlohmann::json out{
+      {"cargobay_jitter", kFormat},
+      {"link", summary.link},
+      {"seconds", summary.seconds},
+      {"scheduler", summary.fifo ? "SCHED_FIFO" : "SCHED_OTHER"},
+      {"priority", summary.priority},
+      {"memory_locked", summary.memory_locked},
+      {"load", summary.load},
+      {"conditions", of(summary.conditions)},
+      {"usage", of(summary.usage)},
+      {"channels", channels},
+      {"ratios", ratios},
+  };
+  return out.dump(1) + "\n";
+}
+
+hal::Result<JitterSummary> read_jitter(const std::string& text, const std::string& label) {
+  const std::string remedy = "; such a file is written by: cargobay jitter --json FILE";
+  try {
+    const nlohmann::json in = nlohmann::json::parse(text);
+    if (in.at("cargobay_jitter") != kFormat)
+      return hal::Failure{label + " is of another version of cargobay jitter; measure again"};
+    JitterSummary summary{.label = label,
+                          .link = in.at("link"),
+                          .seconds = in.at("seconds"),
+                          .fifo = in.at("scheduler") == "SCHED_FIFO",
+                          .priority = in.at("priority"),
+                          .memory_locked = in.at("memory_locked"),
+                          .load = in.at("load"),
+                          .conditions = conditions(in.at("conditions")),
+                          .usage = usage(in.at("usage"))};
+    for (const nlohmann::json& each : in.at("channels")) summary.channels.push_back(channel(each));
+    for (const nlohmann::json& each : in.at("ratios")) {
+      summary.ratios.push_back({.over = each.at("over"),
+                                .under = each.at("under"),
+                                .p50 = estimate(each.at("p50")),
+                                .p99 = estimate(each.at("p99"))});
+    }
+    return summary;
+  } catch (const nlohmann::json::exception&) {
+    return hal::Failure{label + " is not a result of cargobay jitter" + remedy};
+  }
+}
+
+}  // namespace cargobay::cli

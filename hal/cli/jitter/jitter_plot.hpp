@@ -1,0 +1,15 @@
+// The results of one or more runs of `cargobay jitter` as an SVG drawing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/cli/jitter/jitter_summary.hpp"
+
+namespace cargobay::cli {
+
+// Above the percentile curve of each channel, latency over how rare it is; below the histograms;
+// both logarithmic, labelled at the curves. With several runs, each channel of each.
+std::string jitter_plot(const std::vector<JitterSummary>& runs, const std::string& title);
+
+}  // namespace cargobay::cli

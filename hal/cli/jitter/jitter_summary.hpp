@@ -1,0 +1,79 @@
+// What a run of `cargobay jitter` found, as it is told, written, and read again.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hal/jitter/bootstrap.hpp"
+#include "hal/jitter/run.hpp"
+#include "hal/doctor/conditions.hpp"
+#include "hal/result.hpp"
+
+namespace cargobay::cli {
+
+inline double us(std::uint64_t ns) { return static_cast<double>(ns) / 1e3; }
+
+// Durations in nanoseconds.
+struct Percentiles {
+  std::uint64_t count = 0;
+  std::uint64_t min = 0;
+  std::uint64_t p50 = 0;
+  std::uint64_t p90 = 0;
+  std::uint64_t p99 = 0;
+  std::uint64_t p999 = 0;
+  std::uint64_t max = 0;
+};
+
+struct ChannelSummary {
+  std::string name{};
+  std::string headline{};  // the stage whose figures stand here
+  std::uint64_t period_ns = 0;
+  std::uint64_t frames = 0;
+  std::uint64_t missed = 0;
+  Percentiles figures{};  // corrected for coordinated omission
+  Percentiles raw{};      // as measured
+  std::vector<std::pair<std::string, Percentiles>> stages{};
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> buckets{};      // corrected: value, count
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> raw_buckets{};  // as measured
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> slices{};       // p50 and p99 of each
+};
+
+// Of two channels' headlines, as measured.
+struct RatioSummary {
+  std::string over{};
+  std::string under{};
+  hal::jitter::Estimate p50{};
+  hal::jitter::Estimate p99{};
+};
+
+struct JitterSummary {
+  std::string label{};  // the file it was read from; empty for one's own
+  std::string link{};   // "virtual Create", a port, or empty
+  double seconds = 0.0;
+  bool fifo = false;
+  int priority = 0;
+  bool memory_locked = false;
+  std::string load{};  // as asked for; empty for none
+  hal::jitter::Conditions conditions{};
+  hal::jitter::Usage usage{};
+  std::vector<ChannelSummary> channels{};
+  std::vector<RatioSummary> ratios{};
+
+  const ChannelSummary* channel(std::string_view name) const;
+};
+
+// full: takes about a second for each ratio, and longer after hours. hurried, as somebody waits for
+// the end: a second for all, with wider intervals and without ratios of more than 500 000 frames.
+enum class Care : std::uint8_t { full, hurried };
+JitterSummary summarise(const hal::jitter::Run& run, Care care);
+
+// Of one channel in both, from its slices' percentiles.
+hal::jitter::Estimate compare(const ChannelSummary& a, const ChannelSummary& b, double percent);
+
+std::string json(const JitterSummary& summary);
+// Fails, and says why, where the text is not what json() writes.
+hal::Result<JitterSummary> read_jitter(const std::string& text, const std::string& label);
+
+}  // namespace cargobay::cli

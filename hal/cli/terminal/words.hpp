@@ -1,0 +1,37 @@
+// The words behind a command's options: commands as text, bytes as text.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/file/read_input.hpp"
+#include "hal/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cargobay::cli {
+
+// Lets the command take words that look like options, such as -200. `name` is for its help.
+void take_words(CLI::App& command, const std::string& name, const std::string& description);
+// The words joined by spaces; standard input where there are none, or `-`. Fails for what looks
+// like an option and is none, and where standard input is a terminal.
+hal::Result<std::string> joined_words(const CLI::App& command);
+
+// The commands' bytes; nothing where the text is wrong or empty: then the user has been told, with
+// a caret under the place.
+std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text);
+
+// Bytes as people write them: `89 ff`, `0x89,0xff`, `89FF`, `[89][ff]`; in decimal 0 to 255, or
+// -128 to -1 for their two's complement.
+enum class Base : std::uint8_t { hexadecimal, decimal };
+hal::Result<std::vector<std::uint8_t>> read_bytes(std::string_view text, Base base);
+
+// As hal::read_input(), or of standard input for `-`; the message of a failure is whole.
+hal::Result<std::string> read_all(const std::string& path, const hal::InputLimits& limits = {});
+
+}  // namespace cargobay::cli

@@ -1,0 +1,75 @@
+// Which list the next frame is of. The loop says when it needs the counters; the frames between are
+// for the rest that the robot tells. Where the loop needs every frame, now and then it goes without
+// one: the next reading covers both ticks, and nothing is lost.
+#pragma once
+
+#include "hal/cycle/frame_lists.hpp"
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::hal {
+
+class FrameRotation {
+ public:
+  // What the loop needs of the next frame.
+  enum class Counters : std::uint8_t {
+    wanted,   // in each frame, to find out what kind of robot it is
+    welcome,  // in each frame, but every other one will do
+    not_wanted,
+  };
+
+  // Longer than the row of readings by which the kind of robot is found out (rt/read_schedule.hpp):
+  // that one is not broken.
+  static constexpr int kMostReadingsInARow = 15;
+  // About a second between two looks at the battery.
+  static constexpr int kBatteryTicks = 64;
+
+  // These have every other of the frames without counters, in turn, until it is said otherwise.
+  void stream(ExtraLists extras) noexcept CARGOBAY_NONBLOCKING { extras_ = extras; }
+  // One frame of each of these, soon.
+  void look_at(ExtraLists extras) noexcept CARGOBAY_NONBLOCKING {
+    once_ = ExtraLists{static_cast<std::uint8_t>(once_.raw() | extras.raw())};
+  }
+
+  // Once a tick. No allocation.
+  FrameList next(Counters counters) noexcept CARGOBAY_NONBLOCKING {
+    ++ticks_since_battery_;
+    if (counters != Counters::not_wanted && readings_in_a_row_ < most_readings(counters)) {
+      ++readings_in_a_row_;
+      return FrameList::reading;
+    }
+    readings_in_a_row_ = 0;
+    if (once_.any()) {
+      const ExtraList extra = next_of(once_);
+      once_ = once_.without(extra);
+      return list_of_extra(extra);
+    }
+    extras_turn_ = !extras_turn_ && extras_.any();
+    if (extras_turn_) return list_of_extra(next_of(extras_));
+    if (ticks_since_battery_ < kBatteryTicks) return FrameList::hazards;
+    ticks_since_battery_ = 0;
+    return FrameList::battery;
+  }
+
+ private:
+  int most_readings(Counters counters) const noexcept CARGOBAY_NONBLOCKING {
+    const bool others_wait = extras_.any() || once_.any();
+    return counters == Counters::welcome && others_wait ? 1 : kMostReadingsInARow;
+  }
+  // The one behind the last; `lists` is not empty.
+  ExtraList next_of(ExtraLists lists) noexcept CARGOBAY_NONBLOCKING {
+    for (int i = 0; i < kExtraLists; ++i) {
+      last_extra_ = (last_extra_ + 1) % kExtraLists;
+      if (lists.has(static_cast<ExtraList>(last_extra_))) break;
+    }
+    return static_cast<ExtraList>(last_extra_);
+  }
+
+  int readings_in_a_row_ = 0;
+  int ticks_since_battery_ = kBatteryTicks;  // so that the battery is known soon
+  ExtraLists extras_{};
+  ExtraLists once_{};
+  bool extras_turn_ = false;
+  int last_extra_ = 0;
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,71 @@
+// Whether the robot hears what it is told. Nothing acknowledges a command; but a robot that was
+// told to stream another list streams it from its next tick on, and one that takes commands for the
+// data of something else does not. Its frames go on all the while, and so do its wheels.
+#pragma once
+
+#include <optional>
+
+#include "hal/cycle/frame_lists.hpp"
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::hal {
+
+// One thread; no clock, no allocation.
+class HearingWatch {
+ public:
+  // Frames behind the command within which one of the new list must have come: an answer that was
+  // late meets the tick behind the next.
+  static constexpr int kPatience = 3;
+
+  // The robot streams this list when the watch begins.
+  explicit HearingWatch(FrameList list) : told_{list}, before_{list}, seen_{list} {}
+
+  // A list was sent, whole. The same one again proves nothing, unless the robot is found deaf.
+  void told(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+    const bool changes = list != told_;
+    if (changes) before_ = told_;
+    told_ = list;
+    if ((changes || unheard_) && !awaited_) await(list);
+  }
+  // A good frame has come; nothing for one that is of none of our lists.
+  void see(std::optional<FrameList> list) noexcept CARGOBAY_NONBLOCKING {
+    strange_ = list == told_ || list == before_ ? 0 : strange_ + 1;
+    if (list) seen_ = *list;
+    if (!awaited_) return;
+    if (list == awaited_) {
+      unheard_ = false;
+      awaited_.reset();
+      if (told_ != *list) await(told_);
+    } else if (++frames_ > kPatience) {
+      unheard_ = true;
+      awaited_.reset();
+    }
+  }
+  // A frame did not come whole: the awaited one, for all that is known.
+  void missed() noexcept CARGOBAY_NONBLOCKING { awaited_.reset(); }
+
+  // The last frame was of a list that nobody asked for lately.
+  bool misheard() const noexcept CARGOBAY_NONBLOCKING { return strange_ > 0; }
+  // The robot takes commands for something else.
+  bool deaf() const noexcept CARGOBAY_NONBLOCKING { return unheard_ || strange_ > 1; }
+  // To be told to a deaf robot: a list that it does not stream now, so that hearing shows.
+  FrameList probe() const noexcept CARGOBAY_NONBLOCKING {
+    return seen_ == FrameList::reading ? FrameList::hazards : FrameList::reading;
+  }
+
+ private:
+  void await(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+    awaited_ = list;
+    frames_ = 0;
+  }
+
+  FrameList told_;
+  FrameList before_;
+  FrameList seen_;
+  std::optional<FrameList> awaited_{};
+  int frames_ = 0;   // since awaited_ was told
+  int strange_ = 0;  // frames in a row
+  bool unheard_ = false;
+};
+
+}  // namespace cargobay::hal

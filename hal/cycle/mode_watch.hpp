@@ -1,0 +1,64 @@
+// Whether the robot is in the mode that it is driven in; when it left it by itself, why.
+//
+// The frame that shows the new mode may not have the packets that show the cause. Then it is looked
+// for in the next frames, of the lists that wanted() asks for: a tick later a cliff is still under
+// the sensor, a wheel in the air, the charger plugged in.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "hal/cycle/events.hpp"
+#include "hal/cycle/frame_lists.hpp"
+#include "oi/command_table.hpp"
+#include "oi/sensors.hpp"
+#include "rt/nonblocking.hpp"
+
+namespace cargobay::hal {
+
+// One thread; no clock, no allocation.
+class ModeWatch {
+ public:
+  enum class State : std::uint8_t {
+    driving,    // in the mode
+    searching,  // not in it, the cause is looked for
+    lost,       // not in it
+    rearming,   // told to go back to it
+  };
+  // Frames until it is given up: to find the cause; to be in the mode again.
+  static constexpr int kSearchFrames = 4;
+  static constexpr int kRearmFrames = 20;
+
+  explicit ModeWatch(oi::Mode drive_mode) : drive_mode_{drive_mode} {}
+
+  // Each frame. Returns what is to be told: mode_lost, once the cause is known or given up; rearmed
+  // or rearm_failed.
+  std::optional<EventKind> see(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+  // The robot was told to go back to its mode. Only a robot that has lost it can be.
+  void rearm() noexcept CARGOBAY_NONBLOCKING { begin(State::rearming); }
+
+  State state() const noexcept CARGOBAY_NONBLOCKING { return state_; }
+  oi::Mode drive_mode() const noexcept CARGOBAY_NONBLOCKING { return drive_mode_; }
+  // By the last frame that said; Off before.
+  oi::Mode mode() const noexcept CARGOBAY_NONBLOCKING { return mode_; }
+  // What was seen since the mode was lost, or since rearm().
+  Hazards causes() const noexcept CARGOBAY_NONBLOCKING { return causes_; }
+  // The list whose frame would tell more of the cause.
+  FrameList wanted() const noexcept CARGOBAY_NONBLOCKING {
+    return saw_cliffs_ ? FrameList::reading : FrameList::hazards;
+  }
+
+ private:
+  void begin(State state) noexcept CARGOBAY_NONBLOCKING;
+  void collect(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+
+  oi::Mode drive_mode_;
+  oi::Mode mode_ = oi::Mode::off;
+  State state_ = State::driving;
+  Hazards causes_{};
+  int frames_ = 0;  // since state_ began
+  bool saw_cliffs_ = false;
+  bool saw_charger_ = false;
+};
+
+}  // namespace cargobay::hal

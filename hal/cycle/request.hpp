@@ -1,0 +1,45 @@
+// What other threads ask of the control cycle, beside the speed of the wheels: it waits in a ring,
+// and the cycle does it in one of its next frames.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "hal/cycle/frame_lists.hpp"
+#include "oi/limits.hpp"
+#include "rt/odometry.hpp"
+#include "rt/ring.hpp"
+
+namespace cargobay::hal {
+
+struct Request {
+  enum class Kind : std::uint8_t {
+    command,  // `bytes`: one whole command that leaves the loop alone
+    stream,   // `extras`: these from now on, no others
+    look,     // `extras`: one frame of each
+    pose,     // `pose`: the odometry is there
+  };
+  // A script is the longest command.
+  static constexpr std::size_t kMostBytes = 2 + oi::kMaxScriptBytes;
+
+  Kind kind = Kind::command;
+  // A command that is too long to go beside the loop's own, while the wheels turn.
+  enum class WhenLong : std::uint8_t {
+    wait,   // until they stand
+    pause,  // the loop's commands are left out meanwhile: the wheels turn on as they do
+  };
+  WhenLong when_long = WhenLong::wait;
+  ExtraLists extras{};
+  std::uint8_t size = 0;
+  std::array<std::uint8_t, kMostBytes> bytes{};
+  rt::Pose pose{};
+
+  std::span<const std::uint8_t> command() const { return std::span{bytes}.first(size); }
+};
+
+inline constexpr std::size_t kMostRequests = 32;
+using RequestRing = rt::SpscRing<Request, kMostRequests>;
+
+}  // namespace cargobay::hal

@@ -1,0 +1,71 @@
+// A file that a user names for something to be written to. It is opened before anything moves, and
+// has its name only once what belongs there is written: what was there before is kept until then.
+//
+// One rule for what is there already (docs/man/cargobay.inc tells users):
+// - A file that may be written is replaced, with its owner and its rights. What came there only
+//   after open() is not: publish() leaves what was written beside it, and says so.
+// - A symbolic link is followed, and the file it leads to is replaced or made; the link stays.
+// - In a folder for all, such as /tmp, files and links of other users are refused.
+// - FIFOs that something reads, /dev/null, /dev/full, and /dev/stdout, /dev/stderr and /dev/fd/N
+//   are written as they are; standard output and error may be terminals.
+// - Ports, terminals, disks, other devices, sockets and folders are refused.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hal/file/descriptor.hpp"
+#include "hal/file/file_place.hpp"
+#include "hal/result.hpp"
+#include "rt/clock.hpp"
+
+namespace cargobay::hal {
+
+class OutputFile {
+ public:
+  // Writes nothing yet. Blocks as the disk does; for the reader of a FIFO not at all.
+  static Result<OutputFile> open(const std::string& path);
+  // What was not published leaves no trace.
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept = default;
+  OutputFile& operator=(OutputFile&&) = delete;
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  // Appends all of it; after a failure, what there was room for. `patience` is with a pipe that
+  // takes nothing; without it, as long as that lasts. A full disk, a limit of the file's size and a
+  // pipe that nobody reads any more are failures, and no signals (SIGXFSZ, SIGPIPE).
+  [[nodiscard]] std::optional<Failure> write(std::string_view bytes,
+                                             std::optional<rt::Duration> patience = {});
+  // Gives the file its name; it may still be written to. Does nothing the second time.
+  [[nodiscard]] std::optional<Failure> publish();
+  // Blocks until what was written is on the disk.
+  void sync() const;
+
+  const std::string& path() const { return path_; }  // as it was named
+  const FilePlace& place() const { return place_; }  // where its links lead
+
+ private:
+  explicit OutputFile(std::string path) : path_{std::move(path)} {}
+
+  std::optional<Failure> open_descriptor(int named);
+  std::optional<Failure> open_in_place(const std::string& name);
+  std::optional<Failure> open_temporary(const std::string& name);
+  void keep_rights_of(const std::string& name) const;
+  bool link_as(const std::string& name) const;
+  bool move_into_place();
+  Failure cannot_write(int error) const;
+
+  std::string path_;
+  FilePlace place_{};
+  Descriptor file_{};
+  Descriptor folder_{};      // of the name; none where the file is written in place
+  std::string name_{};       // in the folder
+  std::string temporary_{};  // its name until it is published; empty where it has none
+  bool replaces_ = false;    // there was such a file when it was opened
+  bool published_ = false;
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,28 @@
+// What is where a user wants something written, and whether it may be: the rule that
+// hal/file/output_file.hpp states.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace cargobay::hal {
+
+struct OutputName {
+  enum class Kind : std::uint8_t {
+    refused,     // by the rule
+    failed,      // by the system
+    descriptor,  // of this process
+    in_place,    // a FIFO or a device that takes everything
+    present,     // a file that may be replaced
+    absent,      // nothing
+  };
+  Kind kind = Kind::failed;
+  std::string path{};     // where the links lead
+  int descriptor = -1;    // for Kind::descriptor
+  int error = 0;          // for Kind::failed, errno
+  std::string refusal{};  // for Kind::refused: why, and what to do
+};
+
+OutputName find_output(const std::string& path);
+
+}  // namespace cargobay::hal

@@ -1,0 +1,91 @@
+#include "hal/machine/kworker_boost.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "hal/machine/task_list.hpp"
+#include "rt/rights.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+int set_policy(pid_t thread, int policy, int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return sched_setscheduler(thread, policy, &parameters) == 0 ? 0 : errno;
+}
+
+}  // namespace
+
+SchedulerCalls kernel_scheduler() {
+  return {.set_fifo = [](pid_t thread,
+                         int priority) { return set_policy(thread, SCHED_FIFO, priority); },
+          .set_ordinary = [](pid_t thread) { return set_policy(thread, SCHED_OTHER, 0); }};
+}
+
+KworkerBoost::KworkerBoost(int priority, std::filesystem::path proc, SchedulerCalls scheduler)
+    : priority_{priority}, proc_{std::move(proc)}, scheduler_{std::move(scheduler)} {}
+
+KworkerBoost::~KworkerBoost() { stop(); }
+
+int KworkerBoost::start() {
+  if (const int error = raise_all(); error != 0) {
+    stop();
+    return error;
+  }
+  thread_ = std::thread{[this] { keep_raised(); }};
+  return 0;
+}
+
+void KworkerBoost::stop() {
+  {
+    const std::lock_guard lock{mutex_};
+    ending_ = true;
+  }
+  ended_.notify_one();
+  if (thread_.joinable()) thread_.join();
+  for (const pid_t thread : std::exchange(raised_, {})) {
+    // Its number may be another thread's by now, and its priority somebody else's wish.
+    const auto task = read_task(proc_ / std::to_string(thread));
+    if (task && task->is_unbound_kworker() && task->priority == priority_)
+      (void)scheduler_.set_ordinary(thread);  // who was allowed to raise it may lower it
+  }
+}
+
+int KworkerBoost::raise_all() {
+  std::vector<Task> kworkers = kernel_threads(proc_);
+  std::erase_if(kworkers, [](const Task& task) { return !task.is_unbound_kworker(); });
+  // Those that have ended are nobody's any more.
+  std::erase_if(raised_, [&](pid_t thread) {
+    return std::ranges::find(kworkers, thread, &Task::id) == kworkers.end();
+  });
+  for (const Task& task : kworkers) {
+    if (task.priority != 0 && task.priority != priority_) continue;
+    const int error = task.priority == 0 ? scheduler_.set_fifo(task.id, priority_) : 0;
+    if (error == ESRCH) continue;  // ended since
+    if (error != 0) return error;
+    if (std::ranges::find(raised_, task.id) == raised_.end()) raised_.push_back(task.id);
+  }
+  return 0;
+}
+
+void KworkerBoost::keep_raised() {
+  std::unique_lock lock{mutex_};
+  while (!ended_.wait_for(lock, kPeriod, [this] { return ending_; })) {
+    (void)raise_all();  // what was allowed once may be refused later: the rest stays as it is
+  }
+}
+
+std::string explain_kworker_boost(int error) {
+  return "raising the kworkers refused (" + std::generic_category().message(error) + "): " +
+         (rt::own_rights().origin == rt::Rights::Origin::container
+              ? "start the container with --cap-add SYS_NICE --pid=host"
+              : "run as root or grant CAP_SYS_NICE") +
+         "; a limit for real-time priorities is not enough for threads of the kernel";
+}
+
+}  // namespace cargobay::hal

@@ -1,0 +1,42 @@
+// By what a port is known again after it was gone: a USB adapter that is plugged in again may come
+// back as another ttyUSBn, and another adapter under its old name.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/port/serial_transport.hpp"
+#include "hal/result.hpp"
+
+namespace cargobay::hal {
+
+struct PortIdentity {
+  enum class Kind : std::uint8_t {
+    path,  // by its name: links, UARTs of the board, adapters that have a twin
+    usb,   // by vendor, product and serial number
+  };
+  Kind kind = Kind::path;
+  std::string path{};  // as it was named
+  // The rest is that of a USB adapter.
+  std::string stable_path{};  // of PortInfo; may be empty
+  int usb_vendor_id = 0;
+  int usb_product_id = 0;
+  std::string usb_serial{};
+};
+
+// Of the port that `path` names, while it is there; `ports` are those of the machine. A link, such
+// as one under /dev/serial/by-id, was chosen by somebody who wants it followed: it stays the name.
+// An adapter is known as such only where no other in `ports` looks the same. Fails for the number
+// of a pseudo-terminal, /dev/pts/3: what comes back under it may be anybody's.
+Result<PortIdentity> identify(const std::string& path, const std::vector<PortInfo>& ports);
+
+// Where the port is now; nothing where it is not there, or where several look like it: the wrong
+// one would move another robot. Calls `ports` only where there is reason to; blocks as long as that
+// does; allocates.
+std::optional<std::string> find_port(const PortIdentity& identity,
+                                     const std::function<std::vector<PortInfo>()>& ports);
+
+}  // namespace cargobay::hal

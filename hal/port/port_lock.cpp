@@ -1,0 +1,50 @@
+#include "hal/port/port_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "hal/port/tty_speed.hpp"
+
+namespace cargobay::hal {
+
+int PortLock::lock() {
+  const int port = descriptor();
+  if (flock(port, LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  if (tcgetattr(port, &found_) != 0) return errno;
+  found_speed_ = tty_speed(port);
+  ours_ = true;
+  ioctl(port, TIOCEXCL);
+  return 0;
+}
+
+void PortLock::let_go() const {
+  ioctl(descriptor(), TIOCNXCL);
+  flock(descriptor(), LOCK_UN);
+}
+
+int PortLock::hand_over(int descriptor) {
+  PortDescriptor other = PortDescriptor::duplicate(descriptor);
+  if (other.number() < 0) return errno;
+  if (flock(other.number(), LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  ioctl(other.number(), TIOCEXCL);
+  descriptor_ = std::move(other);
+  return 0;
+}
+
+// Somebody's own terminal, named by mistake, is one that can be typed on again.
+PortLock::~PortLock() {
+  if (!ours_ || !still_open()) return;
+  tcsetattr(descriptor(), TCSANOW, &found_);
+  // A rate without a constant of its own is not in termios.
+  if (found_speed_.has_value() && tty_speed(descriptor()) != found_speed_) {
+    (void)set_tty_speed(descriptor(), *found_speed_);  // nobody is left to be told
+  }
+  let_go();
+}
+
+}  // namespace cargobay::hal

@@ -1,0 +1,121 @@
+#include "hal/recording/estimate_again.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "oi/sensors.hpp"
+#include "oi/stream_decoder.hpp"
+#include "rt/tick_clock.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using Reading = std::optional<rt::WheelEstimator::Reading>;
+
+// One a frame, of the bytes as they come.
+class Readings {
+ public:
+  void add(std::span<const std::uint8_t> bytes) {
+    decoder_.push(bytes, [this](oi::StreamDecoder::Outcome outcome) {
+      if (outcome == oi::StreamDecoder::Outcome::frame) readings_.push_back(reading());
+    });
+  }
+  std::vector<Reading> take() { return std::exchange(readings_, {}); }
+
+ private:
+  Reading reading() {
+    sensors_.clear();
+    (void)oi::decode_frame(decoder_.frame(), sensors_);  // whole: the decoder checked its structure
+    if (!sensors_.has(oi::PacketId::distance) || !sensors_.has(oi::PacketId::angle))
+      return std::nullopt;
+    return rt::WheelEstimator::Reading{.distance_mm = sensors_.raw(oi::PacketId::distance),
+                                       .angle_deg = sensors_.raw(oi::PacketId::angle)};
+  }
+
+  oi::StreamDecoder decoder_{};
+  oi::SensorValues sensors_{};
+  std::vector<Reading> readings_;
+};
+
+class Estimation {
+ public:
+  explicit Estimation(const rt::WheelEstimator::Parameters& parameters) : estimator_{parameters} {}
+
+  void take(const Entry& entry) {
+    if (entry.kind == EntryKind::read) readings_.add(entry.bytes);
+    if (entry.kind == EntryKind::wrote) written_ = true;
+    // What was written in a wait without a tick was the stop in a silence.
+    if (entry.kind == EntryKind::waited && std::exchange(written_, false)) command_ = {};
+    if (entry.kind == EntryKind::state) take(entry.state);
+  }
+  EstimateDifference difference() const {
+    EstimateDifference result = difference_;
+    const auto root = [&](double squares) {
+      return result.ticks == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(result.ticks));
+    };
+    result.rms = {root(squares_.left_mm_s), root(squares_.right_mm_s)};
+    result.belief = estimator_.belief();
+    return result;
+  }
+
+ private:
+  void take(const CycleState& state) {
+    const std::vector<Reading> readings = readings_.take();
+    const auto read = [](const Reading& reading) { return reading.has_value(); };
+    if (std::ranges::any_of(readings, read)) since_read_ = 0;
+    const std::int64_t lost = state.tick - tick_ - static_cast<std::int64_t>(readings.size());
+    constexpr std::int64_t kMostSteps = 100;  // as rt::WheelLoop; a damaged file may say anything
+    for (std::int64_t i = 0; started_ && i < std::min(lost, kMostSteps); ++i)
+      estimator_.step_lost(command_, since_read_ <= rt::TickClock::kPatience + 1);
+    if (started_ && lost < 0)
+      estimator_.came_after_all(static_cast<int>(std::min(-lost, kMostSteps)));
+    for (const Reading& reading : readings) estimator_.step(command_, reading);
+    started_ = true;
+    ++since_read_;
+    tick_ = state.tick;
+    command_ = state.command;
+    written_ = false;
+    compare(state);
+  }
+  void compare(const CycleState& state) {
+    ++difference_.ticks;
+    difference_.recorded_belief = state.remainder;
+    const rt::WheelSpeeds now = estimator_.speeds();
+    const auto add = [](double difference, double& squares, double& most) {
+      squares += difference * difference;
+      most = std::max(most, std::abs(difference));
+    };
+    add(now.left_mm_s - state.estimate.left_mm_s, squares_.left_mm_s, difference_.most.left_mm_s);
+    add(now.right_mm_s - state.estimate.right_mm_s, squares_.right_mm_s,
+        difference_.most.right_mm_s);
+  }
+
+  rt::WheelEstimator estimator_;
+  Readings readings_;
+  rt::WheelSpeeds command_{};  // what acts
+  std::int64_t tick_ = 0;
+  int since_read_ = 0;  // ticks
+  bool started_ = false;
+  bool written_ = false;
+  rt::WheelSpeeds squares_{};
+  EstimateDifference difference_{};
+};
+
+}  // namespace
+
+EstimateDifference estimate_again(const Recording& recording,
+                                  const rt::WheelEstimator::Parameters& parameters) {
+  Estimation estimation{parameters};
+  Entry entry;
+  for (EntryCursor cursor{std::span{recording.blocks()}.first(recording.unbroken())};
+       cursor.next(entry);) {
+    estimation.take(entry);
+  }
+  return estimation.difference();
+}
+
+}  // namespace cargobay::hal

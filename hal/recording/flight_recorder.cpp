@@ -1,0 +1,193 @@
+#include "hal/recording/flight_recorder.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+
+namespace cargobay::hal {
+namespace {
+
+constexpr std::size_t kLeastBytes = std::size_t{64} << 10U;
+constexpr std::size_t kWordBytes = sizeof(std::uint64_t);
+constexpr std::size_t kMostShortBytes = 10;
+
+constexpr std::uint64_t words_of(std::uint64_t bytes) noexcept CARGOBAY_NONBLOCKING {
+  return (bytes + kWordBytes - 1) / kWordBytes;
+}
+
+// The first word of a block.
+constexpr std::uint64_t head(std::uint32_t number,
+                             std::uint64_t length) noexcept CARGOBAY_NONBLOCKING {
+  return std::uint64_t{number} << 32U | length;
+}
+constexpr std::uint64_t length_of(std::uint64_t head) noexcept CARGOBAY_NONBLOCKING {
+  return head & 0xFFFFFFFFU;
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(std::size_t bytes)
+    : words_(std::bit_ceil(std::max(bytes, kLeastBytes)) / kWordBytes), mask_{words_.size() - 1} {}
+
+void FlightRecorder::waited(ByteStream::Wait outcome) noexcept CARGOBAY_NONBLOCKING {
+  close_block();
+  begin(EntryKind::waited, 1);
+  put(static_cast<std::uint8_t>(outcome));
+}
+
+void FlightRecorder::clock(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+  begin(EntryKind::clock, kMostShortBytes);
+  put_short(static_cast<std::uint64_t>((now - time_).count()));
+  time_ = now;
+}
+
+void FlightRecorder::read(std::span<const std::uint8_t> bytes,
+                          int error) noexcept CARGOBAY_NONBLOCKING {
+  assert(bytes.size() <= kMostTransferBytes);
+  begin(EntryKind::read, 2 * kMostShortBytes + bytes.size());
+  put_short(static_cast<std::uint32_t>(error));
+  put_short(bytes.size());
+  put(bytes);
+}
+
+void FlightRecorder::wrote(std::span<const std::uint8_t> offered,
+                           ByteStream::Transfer transfer) noexcept CARGOBAY_NONBLOCKING {
+  assert(offered.size() <= kMostTransferBytes);
+  begin(EntryKind::wrote, 3 * kMostShortBytes + offered.size());
+  put_short(static_cast<std::uint32_t>(transfer.error));
+  put_short(transfer.count);
+  put_short(offered.size());
+  put(offered);
+}
+
+void FlightRecorder::state(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  constexpr std::size_t kMostBytes = kMostShortBytes + 15 + 4 * 2 * sizeof(double);
+  begin(EntryKind::state, kMostBytes);
+  put_short(static_cast<std::uint64_t>((time_ - state.arrival).count()));
+  put(little_endian(static_cast<std::uint64_t>(state.tick)));
+  put(static_cast<std::uint8_t>(state.mode));
+  put(static_cast<std::uint8_t>(state.remainder));
+  put(static_cast<std::uint8_t>(state.setpoint_lapsed ? 1 : 0));
+  put(little_endian(static_cast<std::uint32_t>(state.battery_mv)));
+  put(state.target);
+  put(state.set);
+  put(state.estimate);
+  put(state.command);
+  close_block();
+}
+
+void FlightRecorder::asked(const Request& request) noexcept CARGOBAY_NONBLOCKING {
+  constexpr std::size_t kMostBytes = 3 + kMostShortBytes + Request::kMostBytes + 3 * sizeof(double);
+  begin(EntryKind::asked, kMostBytes);
+  put(static_cast<std::uint8_t>(request.kind));
+  put(request.extras.raw());
+  put(static_cast<std::uint8_t>(request.when_long));
+  put_short(request.size);
+  put(request.command());
+  put(request.pose.x_mm);
+  put(request.pose.y_mm);
+  put(request.pose.heading_rad);
+}
+
+StateObserver FlightRecorder::observer() {
+  constexpr auto kSee = [](void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<FlightRecorder*>(recorder)->state(state);
+  };
+  constexpr auto kHear = [](void* recorder, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+    static_cast<FlightRecorder*>(recorder)->asked(request);
+  };
+  return {.function = kSee, .context = this, .request = kHear};
+}
+
+void FlightRecorder::ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING {
+  begin(EntryKind::ended, 1);
+  put(static_cast<std::uint8_t>(end));
+  close_block();
+}
+
+// Any entry fits into an empty block.
+void FlightRecorder::begin(EntryKind kind, std::size_t most_bytes) noexcept CARGOBAY_NONBLOCKING {
+  if (entries_.size() + 1 + most_bytes > kMostBlockBytes) close_block();
+  put(static_cast<std::uint8_t>(kind));
+}
+
+void FlightRecorder::put(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
+  [[maybe_unused]] const bool fits = entries_.append(bytes);
+  assert(fits);  // begin() saw to it
+}
+
+void FlightRecorder::put(std::uint8_t byte) noexcept CARGOBAY_NONBLOCKING { put({&byte, 1}); }
+
+void FlightRecorder::put_short(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+  for (std::size_t i = 1; i < kMostShortBytes && value >= 0x80; ++i, value >>= 7U) {
+    put(static_cast<std::uint8_t>(value | 0x80U));
+  }
+  put(static_cast<std::uint8_t>(value));
+}
+
+void FlightRecorder::put(double value) noexcept CARGOBAY_NONBLOCKING {
+  put(little_endian(std::bit_cast<std::uint64_t>(value)));
+}
+
+void FlightRecorder::put(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+  put(speeds.left_mm_s);
+  put(speeds.right_mm_s);
+}
+
+void FlightRecorder::close_block() noexcept CARGOBAY_NONBLOCKING {
+  if (entries_.empty()) return;
+  const std::uint64_t words = kHeadWords + words_of(entries_.size());
+  make_room(words);
+  const std::uint64_t at = end_.load(std::memory_order_relaxed);
+  // Release: a reader that sees one of these words also sees that the oldest blocks have gone.
+  word(at).store(head(number_, entries_.size()), std::memory_order_release);
+  word(at + 1).store(static_cast<std::uint64_t>(rt::nanoseconds(block_time_)),
+                     std::memory_order_release);
+  for (std::size_t i = 0; i < entries_.size(); i += kWordBytes) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, entries_.data() + i, std::min(kWordBytes, entries_.size() - i));
+    word(at + kHeadWords + i / kWordBytes).store(bits, std::memory_order_release);
+  }
+  end_.store(at + words, std::memory_order_release);  // pairs with the first load of next()
+  ++number_;
+  block_time_ = time_;
+  entries_.clear();
+}
+
+// Gives up the oldest blocks until so many words are free.
+void FlightRecorder::make_room(std::uint64_t words) noexcept CARGOBAY_NONBLOCKING {
+  const std::uint64_t needed = end_.load(std::memory_order_relaxed) + words;
+  std::uint64_t oldest = oldest_.load(std::memory_order_relaxed);
+  while (needed - oldest > words_.size()) {  // at most once for each two of the words
+    oldest += kHeadWords + words_of(length_of(word(oldest).load(std::memory_order_relaxed)));
+  }
+  // Before the words that overwrite them, each of which is stored with release.
+  oldest_.store(oldest, std::memory_order_relaxed);
+}
+
+bool FlightRecorder::next(Cursor& cursor, Block& block) const {
+  for (;;) {
+    const std::uint64_t end = end_.load(std::memory_order_acquire);  // pairs with close_block()
+    cursor.word_ = std::max(cursor.word_, oldest_.load(std::memory_order_relaxed));
+    if (cursor.word_ >= end) return false;
+    // Acquire: where a word is a newer one, the load of oldest_ below sees that it was overwritten.
+    const std::uint64_t first = word(cursor.word_).load(std::memory_order_acquire);
+    const auto length =
+        static_cast<std::size_t>(std::min<std::uint64_t>(length_of(first), kMostBlockBytes));
+    block.number = static_cast<std::uint32_t>(first >> 32U);
+    block.time = rt::TimePoint{rt::Duration{
+        static_cast<std::int64_t>(word(cursor.word_ + 1).load(std::memory_order_acquire))}};
+    block.entries.resize(length);
+    for (std::size_t i = 0; i < length; i += kWordBytes) {
+      const std::uint64_t bits =
+          word(cursor.word_ + kHeadWords + i / kWordBytes).load(std::memory_order_acquire);
+      std::memcpy(block.entries.data() + i, &bits, std::min<std::size_t>(kWordBytes, length - i));
+    }
+    if (oldest_.load(std::memory_order_relaxed) > cursor.word_) continue;  // overwritten meanwhile
+    cursor.word_ += kHeadWords + words_of(length);
+    return true;
+  }
+}
+
+}  // namespace cargobay::hal

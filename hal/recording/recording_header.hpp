@@ -1,0 +1,35 @@
+// What stands at the front of a recording: all that a control cycle is set up with, and where it
+// comes from.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/result.hpp"
+
+namespace cargobay::hal {
+
+struct RecordingHeader {
+  std::uint32_t baud = 0;
+  std::int64_t started_ns = 0;  // since 1970 UTC
+  std::string software{};       // that recorded it, with its version; up to 1000 bytes, as `note`
+  std::string note{};           // what was driven, for people
+  ControlCycle::Parameters parameters{};
+};
+
+// As in hal/recording/recording_format.hpp. Longer texts are cut; control characters become
+// question marks.
+std::vector<std::uint8_t> encode(const RecordingHeader& header);
+
+struct DecodedHeader {
+  RecordingHeader header{};
+  std::size_t bytes = 0;  // of the file, up to the first block
+};
+// Fails for what is no recording, for one of another version, and for one that is damaged or cut.
+Result<DecodedHeader> decode_header(std::span<const std::uint8_t> file);
+
+}  // namespace cargobay::hal

@@ -1,0 +1,26 @@
+// A byte stream that tells a flight recorder what the control thread does with it, and what comes
+// of it. Passes everything on; adds no system call.
+#pragma once
+
+#include "hal/recording/flight_recorder.hpp"
+#include "hal/stream/forwarding_stream.hpp"
+
+namespace cargobay::hal {
+
+class RecordingStream final : public ForwardingStream {
+ public:
+  // Both outlive it.
+  RecordingStream(ByteStream& stream, FlightRecorder& recorder)
+      : ForwardingStream{stream}, recorder_{recorder} {}
+
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
+  // At most kMostTransferBytes at once, as of a port that has or takes no more.
+  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
+  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
+
+ private:
+  FlightRecorder& recorder_;
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,189 @@
+#include "hal/robot/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "oi/limits.hpp"
+#include "rt/wheel_loop.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+constexpr double kTickSeconds = rt::seconds(oi::kTick);
+constexpr double kLeastLag = 0.02;  // seconds
+constexpr double kMostLag = 0.5;
+
+std::string whole(double value) { return std::to_string(std::lround(value)); }
+
+}  // namespace
+
+void Calibration::prepare(ControlCycle::Parameters& parameters) {
+  constexpr double kAtOnce = 1e6;  // mm/s^2: the step is the robot's to answer
+  parameters.loop.feedback = rt::WheelLoop::Feedback::open;
+  parameters.loop.limits = {.acceleration_mm_s2 = kAtOnce};
+  parameters.loop.estimator.remainder.reset();  // so that readings come in rows and in windows
+}
+
+double Calibration::duration_s() noexcept CARGOBAY_NONBLOCKING { return begin_of(kLegs.size()); }
+
+double Calibration::begin_of(std::size_t leg) noexcept CARGOBAY_NONBLOCKING {
+  double begin_s = kSettle;
+  for (std::size_t i = 0; i < leg; ++i) begin_s += kLegs[i].drive_s + kSettle;
+  return begin_s;
+}
+
+rt::WheelSpeeds Calibration::at(double seconds) const noexcept CARGOBAY_NONBLOCKING {
+  double begin_s = kSettle;
+  for (const Leg& leg : kLegs) {
+    if (seconds >= begin_s && seconds < begin_s + leg.drive_s)
+      return {leg.left * speed_mm_s_, leg.right * speed_mm_s_};
+    begin_s += leg.drive_s + kSettle;
+  }
+  return {};
+}
+
+void Calibration::see(const CycleState& state) {
+  ticks_.push_back({.number = state.tick, .command = state.command, .reading = state.reading});
+}
+
+double Calibration::estimate(const rt::WheelEstimator::Parameters& parameters, Ways* ways) const {
+  rt::WheelEstimator estimator{parameters};
+  rt::WheelSpeeds command;
+  Way way;
+  std::int64_t last = ticks_.front().number - 1;
+  for (const Tick& tick : ticks_) {
+    for (; last + 1 < tick.number; ++last) estimator.step_lost(command, true);
+    estimator.step(command, tick.reading);
+    const rt::Travel travel = estimator.take_travel();
+    way.distance_mm += travel.distance_mm;
+    way.turn_rad += travel.turn_rad;
+    if (ways != nullptr) ways->push_back(way);
+    command = tick.command;
+    last = tick.number;
+  }
+  return estimator.log_likelihood();
+}
+
+// By golden sections: the likelihood has one top.
+double Calibration::likeliest_lag(rt::WheelEstimator::Parameters parameters) const {
+  constexpr int kSteps = 16;  // to 0.2 ms
+  constexpr double kSection = 1.0 / std::numbers::phi;
+  const auto likelihood = [&](double lag_s) {
+    parameters.lag_s = lag_s;
+    return estimate(parameters, nullptr);
+  };
+  double low = kLeastLag;
+  double high = kMostLag;
+  double left = high - kSection * (high - low);
+  double right = low + kSection * (high - low);
+  double at_left = likelihood(left);
+  double at_right = likelihood(right);
+  for (int i = 0; i < kSteps; ++i) {
+    if (at_left > at_right) {
+      high = right;
+      right = left;
+      at_right = at_left;
+      left = high - kSection * (high - low);
+      at_left = likelihood(left);
+    } else {
+      low = left;
+      left = right;
+      at_left = at_right;
+      right = low + kSection * (high - low);
+      at_right = likelihood(right);
+    }
+  }
+  return (low + high) / 2.0;
+}
+
+Calibration::Way Calibration::between(const Ways& ways, double from_s, double to_s) const {
+  const auto at = [&](double seconds) {
+    const auto tick = std::ranges::find_if(ticks_, [seconds](const Tick& each) {
+      return static_cast<double>(each.number) * kTickSeconds >= seconds;
+    });
+    const auto place = static_cast<std::size_t>(tick - ticks_.begin());
+    return ways[std::min(place, ways.size() - 1)];
+  };
+  const Way from = at(from_s);
+  const Way to = at(to_s);
+  return {.distance_mm = to.distance_mm - from.distance_mm,
+          .turn_rad = to.turn_rad - from.turn_rad};
+}
+
+std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
+                                                       CalibrationResult& result) const {
+  constexpr std::size_t kFirstTurn = 2;
+  constexpr double kLeastTurn = 0.5;  // rad
+  std::array<double, kLegs.size() - kFirstTurn> bases{};
+  for (std::size_t i = 0; i < bases.size(); ++i) {
+    const double begin_s = begin_of(kFirstTurn + i);
+    const Way turn = between(ways, begin_s, begin_s + kTurn + 0.9 * kSettle);
+    if (std::abs(turn.turn_rad) < kLeastTurn) {
+      return Failure{"the robot hardly turned (" + whole(turn.turn_rad * 180.0 / std::numbers::pi) +
+                     " degrees) when one wheel was driven; look whether it is free to move"};
+    }
+    bases[i] = 2.0 * std::abs(turn.distance_mm / turn.turn_rad);
+  }
+  const auto [least, most] = std::ranges::minmax(bases);
+  result.wheel_base_spread_mm = most - least;
+  result.wheel_base_mm = 0.0;
+  for (const double base : bases) result.wheel_base_mm += base / static_cast<double>(bases.size());
+  return std::nullopt;
+}
+
+// Of the turns about each wheel, when the lag is over: the wheel that is driven goes twice as far
+// as the robot.
+std::optional<Failure> Calibration::measure_droop(const Ways& ways,
+                                                  CalibrationResult& result) const {
+  constexpr double kLagOver = 2.0;  // seconds: of the slowest
+  double left_mm_s = 0.0;
+  double right_mm_s = 0.0;
+  for (std::size_t i = 0; i < kLegs.size(); ++i) {
+    const Leg& leg = kLegs[i];
+    if (leg.left * leg.right != 0.0) continue;
+    const double begin_s = begin_of(i);
+    const Way steady = between(ways, begin_s + kLagOver, begin_s + leg.drive_s);
+    const double speed = 2.0 * std::abs(steady.distance_mm) / (leg.drive_s - kLagOver);
+    if (speed < speed_mm_s_ / 4.0) {
+      return Failure{"a wheel did " + whole(speed) + " mm/s where " + whole(speed_mm_s_) +
+                     " were asked for; look whether its wheels are free and its battery is full"};
+    }
+    (leg.left != 0.0 ? left_mm_s : right_mm_s) += speed / 2.0;  // to and fro
+  }
+  result.droop_left = 1.0 - left_mm_s / speed_mm_s_;
+  result.droop_right = 1.0 - right_mm_s / speed_mm_s_;
+  return std::nullopt;
+}
+
+Result<CalibrationResult> Calibration::result(double delay_s) const {
+  if (ticks_.empty() ||
+      static_cast<double>(ticks_.back().number) * kTickSeconds < duration_s() - 0.5)
+    return Failure{"the drive ended before its time; nothing was measured: try again"};
+  rt::WheelEstimator::Parameters parameters{.input_delay_s = delay_s};
+  CalibrationResult result;
+  // The wheel base makes millimetres of degrees, and so takes part in the rest.
+  for (int round = 0; round < 2; ++round) {
+    double most = -1e300;
+    for (const rt::Remainder kind : {rt::Remainder::carried, rt::Remainder::lost}) {
+      rt::WheelEstimator::Parameters candidate = parameters;
+      candidate.remainder = kind;
+      candidate.lag_s = likeliest_lag(candidate);
+      const double likelihood = estimate(candidate, nullptr);
+      if (likelihood <= most) continue;
+      most = likelihood;
+      parameters = candidate;
+    }
+    Ways ways;
+    (void)estimate(parameters, &ways);
+    if (auto failure = measure_wheel_base(ways, result)) return *failure;
+    if (auto failure = measure_droop(ways, result)) return *failure;
+    parameters.wheel_base_mm = result.wheel_base_mm;
+  }
+  result.lag_s = parameters.lag_s;
+  result.remainder = parameters.remainder == rt::Remainder::carried ? rt::RemainderBelief::carried
+                                                                    : rt::RemainderBelief::lost;
+  return result;
+}
+
+}  // namespace cargobay::hal

@@ -1,0 +1,88 @@
+// What kind of robot this is, measured by driving a known pattern in open loop: wheel base, lag and
+// droop of the wheels, and what becomes of the remainder of distance and angle.
+//
+// Ahead and back for lag and droop; then turns about each wheel for the wheel base: with one wheel
+// still, the way of the other is twice the distance that the robot reports, and the same way over
+// the wheel base is the angle. No ruler is needed, and no estimate of anything else. Afterwards the
+// robot stands about where it began.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/result.hpp"
+#include "rt/wheel_estimator.hpp"
+#include "rt/wheel_speeds.hpp"
+
+namespace cargobay::hal {
+
+struct CalibrationResult {
+  double wheel_base_mm = 0.0;
+  double wheel_base_spread_mm = 0.0;  // between the turns: greatest less least
+  double lag_s = 0.0;
+  double droop_left = 0.0;  // part of the command that the wheel falls short by
+  double droop_right = 0.0;
+  rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
+};
+
+class Calibration {
+ public:
+  // `speed_mm_s` 100 to 400: of the wheels; ahead it goes about twice as many mm.
+  explicit Calibration(double speed_mm_s) : speed_mm_s_{speed_mm_s} {}
+
+  // How the cycle is to be set up for it: open loop, steps of the command.
+  static void prepare(ControlCycle::Parameters& parameters);
+  static double duration_s() noexcept CARGOBAY_NONBLOCKING;
+
+  // What the wheels shall do; from the control thread.
+  rt::WheelSpeeds at(double seconds) const noexcept CARGOBAY_NONBLOCKING;
+
+  // Each state of the drive, in order; from one thread.
+  void see(const CycleState& state);
+  // Fails where the robot did not do what it was told, saying what to look at. `delay_s` is that of
+  // the parameters' estimator. Takes some tenths of a second: the lag and the kind of remainder are
+  // those with which what the robot said is most likely (rt/wheel_estimator.hpp).
+  Result<CalibrationResult> result(double delay_s) const;
+
+ private:
+  struct Leg {
+    double left = 0.0;  // parts of the speed
+    double right = 0.0;
+    double drive_s = 0.0;
+  };
+  static constexpr double kSettle = 1.0;  // seconds, from the first frame on, and behind each leg
+  static constexpr double kTurn = 6.0;    // seconds
+  static constexpr std::array<Leg, 6> kLegs{
+      {{1, 1, 2}, {-1, -1, 2}, {0, 1, kTurn}, {0, -1, kTurn}, {1, 0, kTurn}, {-1, 0, kTurn}}};
+  struct Tick {
+    std::int64_t number = 0;
+    rt::WheelSpeeds command{};  // that answered it
+    std::optional<rt::WheelEstimator::Reading> reading{};
+  };
+  // The way up to each tick.
+  struct Way {
+    double distance_mm = 0.0;
+    double turn_rad = 0.0;
+  };
+  using Ways = std::vector<Way>;
+
+  // Estimates the drive with these parameters: how likely its readings are then, and the way.
+  double estimate(const rt::WheelEstimator::Parameters& parameters, Ways* ways) const;
+  // The lag with which they are most likely, between these two.
+  double likeliest_lag(rt::WheelEstimator::Parameters parameters) const;
+  // What was gone between two instants of the pattern.
+  Way between(const Ways& ways, double from_s, double to_s) const;
+  static double begin_of(std::size_t leg) noexcept CARGOBAY_NONBLOCKING;
+  std::optional<Failure> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;
+  std::optional<Failure> measure_droop(const Ways& ways, CalibrationResult& result) const;
+
+  double speed_mm_s_;
+  std::vector<Tick> ticks_{};
+};
+
+}  // namespace cargobay::hal

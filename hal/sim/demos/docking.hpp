@@ -1,0 +1,93 @@
+// The way onto a Home Base by what the robot sees of it: which of the two buoys light the receiver,
+// and the force field (packet 17), its bumper, and its own wheels.
+//
+// The receiver sees all around and tells no direction. But a buoy's light ends along a straight
+// line that leads to the base. Two places on one of these lines, by the robot's own reckoning, tell
+// which way it runs; and which buoy is on which side of it, which end of it is the base.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hal/sim/demos/demo_view.hpp"
+#include "hal/sim/random.hpp"
+
+namespace cargobay::hal::sim {
+
+class Docking {
+ public:
+  // Where it sees something of a base.
+  void start(const DemoView& view);
+  void stop() { active_ = false; }
+  bool active() const { return active_; }
+  // Not active any longer if it gave up.
+  WheelSpeeds step(const DemoView& view);
+
+ private:
+  // Where the light of one buoy ends, in the light of the other.
+  struct Edge {
+    bool known = false;
+    double x_mm = 0.0;
+    double y_mm = 0.0;
+  };
+
+  // The middle of the places where it saw something.
+  struct Middle {
+    double count = 0.0;
+    double x_mm = 0.0;
+    double y_mm = 0.0;
+
+    void add(double x, double y) {
+      count += 1.0;
+      x_mm += (x - x_mm) / count;
+      y_mm += (y - y_mm) / count;
+    }
+  };
+
+  void reckon(const DemoView& view);
+  void look(const DemoView& view);
+  void cross(std::uint8_t from, std::uint8_t to);
+  void forget();
+  double beside_line_mm() const;
+  WheelSpeeds approach(const DemoView& view);
+  WheelSpeeds circle(const DemoView& view);
+  WheelSpeeds leg(const DemoView& view);
+  WheelSpeeds go_back(const DemoView& view);
+  WheelSpeeds meet(const DemoView& view);
+  WheelSpeeds evade(const DemoView& view, double back_mm, double turn_deg, double leg_mm);
+  bool hopeless(const DemoView& view) const;
+  double either_way(double degrees);
+
+  static constexpr std::uint64_t kSeed = 0x646f636b;
+
+  bool active_ = false;
+  Evasion evasion_{};
+  Random random_{kSeed};
+  rt::Duration started_at_{0};
+  std::uint32_t met_ = 0;  // obstacles, in this attempt
+
+  // Its own reckoning: where it is, in a frame of its own, and how far it has come on all its ways.
+  double x_mm_ = 0.0;
+  double y_mm_ = 0.0;
+  double way_mm_ = 0.0;
+  double last_travelled_mm_ = 0.0;
+  double last_turned_deg_ = 0.0;
+
+  std::uint8_t buoys_ = 0;        // seen now
+  std::uint8_t last_colour_ = 0;  // seen alone last
+  double buoys_since_mm_ = 0.0;   // how far it had come when that changed
+  double buoys_since_deg_ = 0.0;
+  double back_mm_ = 0.0;  // the same when it will be back in the light
+  double seen_mm_ = 0.0;  // the same when it saw anything last
+  Middle field_{};
+  Middle lit_{};                 // by a buoy
+  std::array<Edge, 2> edges_{};  // of red's light, of green's
+  bool circles_ = false;         // has just left the middle, and turns back into it
+  bool heading_known_ = false;
+  double heading_deg_ = 0.0;  // to the base, as `turned_deg` counts
+  Edge line_{};               // a place from where that heading leads to the base
+  double leg_end_mm_ = 0.0;   // until it has come so far it drives straight, whatever it sees
+  double leg_deg_ = 0.0;
+};
+
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,255 @@
+#include "hal/sim/remote/control.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "hal/sim/remote/fault_command.hpp"
+#include "hal/sim/words.hpp"
+#include "oi/sensors.hpp"
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+constexpr double kShortPressMs = 200.0;
+constexpr double kLongestPressMs = 3'600'000.0;
+constexpr double kFarthestMm = 1e6;
+constexpr double kMostMah = 65535.0;
+constexpr double kFastestMmPerSec = 1000.0;
+
+std::optional<bool> either(std::string_view word, std::string_view yes, std::string_view no) {
+  if (word == yes) return true;
+  if (word == no) return false;
+  return std::nullopt;
+}
+
+std::optional<oi::Button> button(std::string_view word) {
+  if (word == "play") return oi::Button::play;
+  if (word == "advance") return oi::Button::advance;
+  return std::nullopt;
+}
+
+// One switch among those of a group, by its name; null where there is none.
+bool* wheel_drop(Inputs& inputs, std::string_view name) {
+  if (name == "left") return &inputs.wheel_drop_left;
+  if (name == "right") return &inputs.wheel_drop_right;
+  return name == "caster" ? &inputs.wheel_drop_caster : nullptr;
+}
+CliffSensor* cliff(Inputs& inputs, std::string_view name) {
+  if (name == "left") return &inputs.cliff_left;
+  if (name == "front_left") return &inputs.cliff_front_left;
+  if (name == "front_right") return &inputs.cliff_front_right;
+  return name == "right" ? &inputs.cliff_right : nullptr;
+}
+bool* overcurrent(Inputs& inputs, std::string_view name) {
+  if (name == "left_wheel") return &inputs.overcurrent_left_wheel;
+  if (name == "right_wheel") return &inputs.overcurrent_right_wheel;
+  if (name == "ld0") return &inputs.overcurrent_low_side_driver[0];
+  if (name == "ld1") return &inputs.overcurrent_low_side_driver[1];
+  return name == "ld2" ? &inputs.overcurrent_low_side_driver[2] : nullptr;
+}
+bool* single_switch(Inputs& inputs, std::string_view name) {
+  if (name == "wall") return &inputs.wall;
+  if (name == "virtual-wall") return &inputs.virtual_wall;
+  if (name == "charger") return &inputs.charger;
+  return name == "home-base" ? &inputs.home_base : nullptr;
+}
+
+// Sets the switch to what the last word of the command says.
+bool set_switch(bool* target, std::string_view rest) {
+  const std::optional<bool> on = either(next_word(rest), "on", "off");
+  if (target == nullptr || !on || !no_more_words(rest)) return false;
+  *target = *on;
+  return true;
+}
+
+bool set_cliff(Inputs& inputs, std::string_view rest) {
+  CliffSensor* sensor = cliff(inputs, next_word(rest));
+  bool on = false;
+  if (sensor == nullptr || !set_switch(&on, rest)) return false;
+  constexpr std::uint16_t kNoFloorSignal = 8;
+  *sensor = on ? CliffSensor{.cliff = true, .signal = kNoFloorSignal} : CliffSensor{};
+  return true;
+}
+
+bool set_wall(Inputs& inputs, std::string_view rest) {
+  if (!set_switch(&inputs.wall, rest)) return false;
+  constexpr std::uint16_t kWallSignal = 2000;
+  inputs.wall_signal = inputs.wall ? kWallSignal : std::uint16_t{0};
+  return true;
+}
+
+bool set_bump(Inputs& inputs, std::string_view rest) {
+  const std::string_view side = next_word(rest);
+  const bool known = side == "none" || side == "left" || side == "right" || side == "both";
+  if (!known || !no_more_words(rest)) return false;
+  inputs.bump_left = side == "left" || side == "both";
+  inputs.bump_right = side == "right" || side == "both";
+  return true;
+}
+
+bool press(Device& device, std::string_view rest) {
+  const std::optional<oi::Button> which = button(next_word(rest));
+  const std::string_view word = next_word(rest);
+  const std::optional<double> ms =
+      word.empty() ? kShortPressMs : to_number(word, 0.0, kLongestPressMs);
+  if (!which || !ms || !no_more_words(rest)) return false;
+  device.press(*which, rt::Duration{static_cast<std::int64_t>(*ms * 1e6)});
+  return true;
+}
+
+bool hold(Inputs& inputs, std::string_view rest, bool down) {
+  const std::optional<oi::Button> which = button(next_word(rest));
+  if (!which || !no_more_words(rest)) return false;
+  (*which == oi::Button::play ? inputs.play_button : inputs.advance_button) = down;
+  return true;
+}
+
+bool set_digital_in(Inputs& inputs, std::string_view rest) {
+  const std::optional<int> number = to_integer(next_word(rest), 0, 3);
+  const std::optional<int> level = to_integer(next_word(rest), 0, 1);
+  if (!number || !level || !no_more_words(rest)) return false;
+  inputs.digital[static_cast<std::size_t>(*number)] = *level == 1;
+  return true;
+}
+
+bool place(Device& device, std::string_view rest) {
+  const std::optional<double> x = to_number(next_word(rest), -kFarthestMm, kFarthestMm);
+  const std::optional<double> y = to_number(next_word(rest), -kFarthestMm, kFarthestMm);
+  const std::optional<double> heading = to_number(next_word(rest), -36000.0, 36000.0);
+  if (!x || !y || !heading || !no_more_words(rest)) return false;
+  device.place({.x_mm = *x, .y_mm = *y, .heading_rad = *heading * std::numbers::pi / 180.0});
+  return true;
+}
+
+// The commands whose one argument is a number.
+template <typename Set>
+bool set_integer(std::string_view rest, int highest, Set&& set) {
+  const std::optional<int> value = to_integer(next_word(rest), 0, highest);
+  if (!value || !no_more_words(rest)) return false;
+  set(*value);
+  return true;
+}
+
+// The commands whose one argument is a level.
+template <typename Set>
+bool set_level(std::string_view rest, Set&& set) {
+  const std::optional<bool> high = either(next_word(rest), "high", "low");
+  if (!high || !no_more_words(rest)) return false;
+  set(*high);
+  return true;
+}
+
+bool set_battery(Device& device, std::string_view rest) {
+  const std::optional<double> mah = to_number(next_word(rest), 0.0, kMostMah);
+  if (!mah || !no_more_words(rest)) return false;
+  device.battery().set_charge_mah(*mah);
+  return true;
+}
+
+bool change_battery(Device& device, std::string_view rest) {
+  const std::optional<bool> alkaline = either(next_word(rest), "alkaline", "rechargeable");
+  if (!alkaline || !no_more_words(rest)) return false;
+  device.change_battery(*alkaline ? BatteryPack::alkaline : BatteryPack::rechargeable);
+  return true;
+}
+
+bool set_charging(Battery& battery, std::string_view rest) {
+  const std::string_view trouble = next_word(rest);
+  const bool known = trouble == "normal" || trouble == "waiting" || trouble == "fault";
+  if (!known || !no_more_words(rest)) return false;
+  battery.set_trouble(trouble == "fault"     ? ChargingTrouble::fault
+                      : trouble == "waiting" ? ChargingTrouble::waiting
+                                             : ChargingTrouble::none);
+  return true;
+}
+
+bool turn_wheels(Device& device, std::string_view rest) {
+  const std::optional<double> left =
+      to_number(next_word(rest), -kFastestMmPerSec, kFastestMmPerSec);
+  const std::optional<double> right =
+      to_number(next_word(rest), -kFastestMmPerSec, kFastestMmPerSec);
+  if (!left || !right || !no_more_words(rest)) return false;
+  device.turn_wheels({.left_mm_s = *left, .right_mm_s = *right});
+  return true;
+}
+
+bool apply_input(std::string_view name, std::string_view rest, Inputs& inputs) {
+  if (name == "bump") return set_bump(inputs, rest);
+  if (name == "cliff") return set_cliff(inputs, rest);
+  if (name == "wall") return set_wall(inputs, rest);
+  if (name == "hold") return hold(inputs, rest, true);
+  if (name == "release") return hold(inputs, rest, false);
+  if (name == "digital-in") return set_digital_in(inputs, rest);
+  if (name == "wheeldrop") {
+    bool* const drop = wheel_drop(inputs, next_word(rest));
+    return set_switch(drop, rest);
+  }
+  if (name == "overcurrent") {
+    bool* const load = overcurrent(inputs, next_word(rest));
+    return set_switch(load, rest);
+  }
+  if (name == "ir") {
+    return set_integer(rest, 255,
+                       [&](int value) { inputs.infrared = static_cast<std::uint8_t>(value); });
+  }
+  if (name == "analog-in") {
+    return set_integer(rest, 1023,
+                       [&](int value) { inputs.analog = static_cast<std::uint16_t>(value); });
+  }
+  return set_switch(single_switch(inputs, name), rest);
+}
+
+bool apply(std::string_view name, std::string_view rest, Device& device) {
+  if (name == "power") {
+    if (!no_more_words(rest)) return false;
+    device.press_power();
+    return true;
+  }
+  if (name == "press") return press(device, rest);
+  if (name == "place") return place(device, rest);
+  if (name == "battery") return set_battery(device, rest);
+  if (name == "battery-pack") return change_battery(device, rest);
+  if (name == "charging") return set_charging(device.battery(), rest);
+  if (name == "turn-wheels") return turn_wheels(device, rest);
+  if (name == "brc") return set_level(rest, [&](bool high) { device.set_brc(high); });
+  if (name == "power-toggle")
+    return set_level(rest, [&](bool high) { device.set_power_toggle(high); });
+  return apply_input(name, rest, device.inputs());
+}
+
+std::string names() {
+  std::string list;
+  for (const ControlInfo& info : kControls)
+    list += (list.empty() ? "" : " ") + std::string{info.name};
+  return list;
+}
+
+}  // namespace
+
+std::string control(std::string_view line, Cable& cable) {
+  std::string_view rest = line;
+  const std::string_view name = next_word(rest);
+  const auto* const info =
+      std::find_if(kControls.begin(), kControls.end(),
+                   [name](const ControlInfo& each) { return each.name == name; });
+  if (info == kControls.end()) {
+    return "error: no command is called '" + std::string{name} + "'; there are: " + names();
+  }
+  if (name == "state" && no_more_words(rest)) return state_json(cable);
+  if (name == "help" && no_more_words(rest)) return "ok " + names();
+  if (name == "fault") {
+    while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
+    const std::string problem = apply_fault(rest, cable);
+    return problem.empty() ? "ok" : "error: " + problem;
+  }
+  if (apply(name, rest, cable.device())) return "ok";
+  std::string usage{name};
+  if (!info->arguments.empty()) usage += " " + std::string{info->arguments};
+  return "error: it is '" + usage + "'";
+}
+
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,118 @@
+#include "hal/sim/remote/control_connection.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <utility>
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+constexpr std::size_t kLongestLine = 1024;
+constexpr rt::Duration kPatience = std::chrono::seconds{1};
+
+}  // namespace
+
+ControlConnection::~ControlConnection() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+ControlConnection::ControlConnection(ControlConnection&& other) noexcept
+    : descriptor_{std::exchange(other.descriptor_, -1)},
+      received_{std::move(other.received_)},
+      too_long_{other.too_long_},
+      ended_{other.ended_},
+      unsent_{std::move(other.unsent_)},
+      deadline_{other.deadline_} {}
+
+ControlConnection& ControlConnection::operator=(ControlConnection&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  received_.swap(other.received_);
+  std::swap(too_long_, other.too_long_);
+  std::swap(ended_, other.ended_);
+  unsent_.swap(other.unsent_);
+  std::swap(deadline_, other.deadline_);
+  return *this;
+}
+
+short ControlConnection::events() const { return unsent_.empty() ? POLLIN : POLLOUT; }
+
+bool ControlConnection::serve(rt::TimePoint now, const Answers& answers) {
+  if (!answer_all(now, answers)) return false;
+  // A client whose answer waits is not read: its lines take no more room than they have.
+  const bool hears = unsent_.empty() && !ended_;
+  if (hears && !(receive() && answer_all(now, answers))) return false;
+  return !ended_ || !unsent_.empty();
+}
+
+// As far as the client takes the answers. False when it is gone, or has had its time.
+bool ControlConnection::answer_all(rt::TimePoint now, const Answers& answers) {
+  do {
+    if (!flush(now)) return false;
+  } while (unsent_.empty() && answer_next(answers));
+  return true;
+}
+
+void ControlConnection::dismiss(std::string_view line) {
+  unsent_ = std::string{line} + "\n";
+  (void)flush({});  // who has no room for it has not asked
+}
+
+// Sends what it can. False when the client is gone, or has had its time.
+bool ControlConnection::flush(rt::TimePoint now) {
+  while (!unsent_.empty()) {
+    const ssize_t count = send(descriptor_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
+    if (count >= 0) {
+      unsent_.erase(0, static_cast<std::size_t>(count));
+      deadline_.reset();
+      continue;
+    }
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN) return false;
+    if (!deadline_) deadline_ = now + kPatience;
+    return now < *deadline_;
+  }
+  deadline_.reset();
+  return true;
+}
+
+// Reads what is there, once. False when the connection is broken.
+bool ControlConnection::receive() {
+  std::array<char, 4096> bytes{};
+  const ssize_t count = recv(descriptor_, bytes.data(), bytes.size(), 0);
+  if (count < 0) return errno == EAGAIN || errno == EINTR;
+  ended_ = count == 0;
+  received_.append(bytes.data(), static_cast<std::size_t>(count));
+  return true;
+}
+
+// Answers the next whole line. False when there is none.
+bool ControlConnection::answer_next(const Answers& answers) {
+  const std::size_t length = received_.find('\n');
+  const bool whole = length != std::string::npos;
+  if (!whole && !ended_) {
+    too_long_ = too_long_ || received_.size() > kLongestLine;
+    if (too_long_) received_.clear();
+    return false;
+  }
+  // What a client left half said may be less than it meant.
+  if (!whole && received_.empty() && !too_long_) return false;
+  const bool too_long =
+      std::exchange(too_long_, false) || (whole ? length : received_.size()) > kLongestLine;
+  if (too_long) {
+    unsent_ = "error: the line is too long";
+  } else {
+    unsent_ = whole ? answers(std::string_view{received_}.substr(0, length))
+                    : "error: the last line has no end; send a line feed after each";
+  }
+  unsent_ += '\n';
+  received_.erase(0, whole ? length + 1 : received_.size());
+  return true;
+}
+
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,279 @@
+// The virtual Create: bytes in, bytes out, and time that passes only when it is told to. No clock,
+// no threads, and the same bytes at the same instants always give the same bytes back.
+//
+// It wants its bytes at the instant each has fully arrived: hal/sim/line/cable.hpp brings them
+// there. Nothing allocates after construction, apart from what the hooks do.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "hal/sim/battery.hpp"
+#include "hal/sim/demos/demos.hpp"
+#include "hal/sim/inputs.hpp"
+#include "hal/sim/odometer.hpp"
+#include "hal/sim/parameters.hpp"
+#include "hal/sim/random.hpp"
+#include "hal/sim/ring_buffer.hpp"
+#include "hal/sim/robot/actuators.hpp"
+#include "hal/sim/robot/brc_detector.hpp"
+#include "hal/sim/robot/melody.hpp"
+#include "hal/sim/robot/reply.hpp"
+#include "hal/sim/robot/song_player.hpp"
+#include "hal/sim/robot/stream_sender.hpp"
+#include "hal/sim/robot/uart_line.hpp"
+#include "hal/sim/robot/wait.hpp"
+#include "hal/sim/safety.hpp"
+#include "hal/sim/wheels.hpp"
+#include "oi/command_parser.hpp"
+#include "oi/command_table.hpp"
+#include "oi/fixed_list.hpp"
+#include "oi/packet_table.hpp"
+#include "oi/sensors.hpp"
+#include "rt/clock.hpp"
+
+namespace cargobay::hal::sim {
+
+// What no sensor tells.
+struct Truth {
+  Pose pose{};
+  WheelSpeeds speeds{};
+};
+
+// A Drive or Drive Direct that the robot obeyed, as wheel speeds.
+struct DriveRecord {
+  rt::Duration time{};
+  std::uint64_t tick = 0;  // ticks so far: two records of one number share a 15 ms slot
+  WheelSpeeds command{};
+};
+
+struct DeviceCounters {
+  std::uint64_t bytes_received = 0;
+  std::uint64_t bytes_unheard = 0;     // off, booting, changing the rate, or too close at 115200
+  std::uint64_t bytes_overrun = 0;     // no room to keep them while the robot waits
+  std::uint64_t commands = 0;          // obeyed
+  std::uint64_t commands_refused = 0;  // not available in the mode
+  // Obeyed, with data beyond the manual's range: brought into it, or ignored.
+  std::uint64_t commands_out_of_range = 0;
+  std::uint64_t unknown_opcodes = 0;
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_lost = 0;  // more asked for than the wire carries
+  std::uint64_t frames_sent = 0;
+  std::uint64_t safety_stops = 0;  // Safe became Passive
+  std::uint64_t boots = 0;
+};
+
+// What goes wrong inside the robot; what goes wrong on its line is hal/sim/line/line_faults.hpp.
+struct DeviceFaults {
+  rt::Duration stalled_until{0};     // until then the stream has no frames
+  std::uint32_t garbled_frames = 0;  // so many of the next frames are garbled, headers apart
+  std::uint32_t junk_readings = 0;   // so many of the next distances and angles are junk
+};
+
+enum class Power : std::uint8_t { off, booting, on };
+
+class Device {
+ public:
+  explicit Device(const Parameters& parameters);
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() = default;
+
+  // A byte has arrived whole, now.
+  void receive(std::uint8_t byte);
+  // What it sends: pop from it what has arrived at the other end.
+  UartLine& output() { return output_; }
+  const UartLine& output() const { return output_; }
+  // The rate it listens at.
+  std::uint32_t baud() const { return baud_; }
+
+  void advance(rt::Duration period);
+  // At most this may pass before it does something by itself. Never negative.
+  rt::Duration until_next_event() const;
+  // Since the beginning.
+  rt::Duration now() const { return now_; }
+  std::uint64_t ticks() const { return ticks_; }
+
+  // The pins and the button, from now on (OI p. 4, 5).
+  void press_power();
+  void set_power_toggle(bool high);  // pin 3: low to high turns it on or off
+  void set_brc(bool high);           // pin 15
+  // The processor starts again, as by opcode 7: 4.5 s.
+  void reset();
+  // The battery fails for an instant: nothing is remembered.
+  void brown_out();
+
+  Power power() const { return power_; }
+  oi::Mode mode() const { return mode_; }
+  Truth truth() const;
+  WheelSpeeds commanded() const { return wheels_.command(); }
+  const Actuators& actuators() const { return actuators_; }
+  const SongPlayer& songs() const { return songs_; }
+  // The MIDI number that sounds, of a song, a demo or the robot's own; 0 for silence.
+  std::uint8_t sounding() const;
+  const StreamSender& stream() const { return stream_; }
+  std::span<const std::uint8_t> script() const { return script_; }
+  // Deaf, and silent: a Wait command has not ended.
+  bool waiting() const { return wait_.active(); }
+  // A reply that the line has not had room for: what comes meanwhile is kept for later.
+  bool replying() const { return reply_.under_way(); }
+  const Demos& demos() const { return demos_; }
+  Battery& battery() { return battery_; }
+  const Battery& battery() const { return battery_; }
+  bool brc_high() const { return brc_.high(); }
+  // Why Safe became Passive last.
+  std::optional<Hazard> last_hazard() const { return last_hazard_; }
+  const DeviceCounters& counters() const { return counters_; }
+  // So many bytes, at least, complete the command that it is in the middle of; 0 between commands.
+  std::size_t bytes_awaited() const { return parser_.needed(); }
+  const Parameters& parameters() const { return parameters_; }
+
+  // What the sensors would see from the next tick on.
+  Inputs& inputs() { return inputs_; }
+  const Inputs& inputs() const { return inputs_; }
+  // What they saw at the last tick: the inputs, and what the surroundings added.
+  const Inputs& seen() const { return seen_; }
+  // Holds a button down for that long, from the next tick on.
+  void press(oi::Button button, rt::Duration period);
+  void place(const Pose& pose);
+  void set_wheels_blocked(bool left, bool right);
+  // Turns its wheels from outside from now on, by hand or by a push; their motors are stronger.
+  void turn_wheels(WheelSpeeds turned);
+  // Takes the battery out and puts a full one in: nothing is remembered, and it is off.
+  void change_battery(BatteryPack pack);
+  // What flows through each low side driver: what it is set to, at most its limit.
+  std::array<double, 3> low_side_driver_ma() const;
+
+  DeviceFaults& faults() { return faults_; }
+  // Says something that is no answer to anything.
+  void print(std::string_view text);
+  // Waits for the data of a command that nobody sent; in Passive mode where it was Off. Without
+  // power it does nothing.
+  void take_half_command();
+  // Changes the rate behind everybody's back.
+  void set_baud(std::uint32_t baud);
+
+  // Called at each tick before the sensors look: a world may add to what they will see, which is
+  // the inputs above to begin with, and put the robot elsewhere.
+  std::function<void(Device&, Inputs& seen)> surroundings{};
+  // Called for each drive command that is obeyed, and at the end of each tick. They may look at the
+  // device, not change it.
+  std::function<void(const DriveRecord&)> on_drive{};
+  std::function<void(const Device&)> on_tick{};
+
+ private:
+  // Two instants at most are due: a tick and a change of the baud rate.
+  rt::Duration next_event() const;
+  void advance_wheels();
+  void overload_wheels();
+  void release_buttons();
+  void tick();
+  void tick_oi();
+  void send_frame();
+
+  // device_power.cpp
+  void switch_on(rt::Duration boot_time);
+  void switch_off();
+  void forget_oi();
+  void tick_boot();
+  void tick_play_held();
+  void tick_battery();
+  void print_charging();
+
+  // device_commands.cpp
+  void process();
+  void interpret(std::uint8_t byte);
+  void execute(const oi::CommandInfo& info, std::span<const std::uint8_t> bytes);
+  void extension(std::uint8_t opcode);
+  bool within_manual(std::span<const std::uint8_t> bytes) const;
+  void obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
+            std::span<const std::uint8_t> tail);
+  void enter(oi::Mode mode);
+  void stop_motors();
+  void change_baud(std::int32_t code);
+  void switch_baud(std::uint32_t baud);
+  void drive(std::int32_t velocity_mm_s, std::int32_t radius_mm);
+  void drive_direct(std::int32_t right_mm_s, std::int32_t left_mm_s);
+  void obey_drive(WheelSpeeds command);
+  void set_wheels(WheelSpeeds command);
+  void start_demo(std::int32_t number);
+  void tick_demo();
+  void tick_buttons(const Inputs& before);
+  Demos::View demo_view() const;
+  void store_script(std::span<const std::uint8_t> body);
+  void play_script();
+  void show_script();
+  void tick_wait();
+
+  // device_sensors.cpp
+  std::int32_t read_sensor(std::uint8_t id);
+  std::int32_t junk_or(std::int32_t reading);
+  static constexpr std::size_t kLongestPart = oi::packet_size(6);  // of a reply: group 6
+  void send(std::uint8_t byte);
+  void reply();
+  void send_packet(std::uint8_t id);
+
+  Parameters parameters_;
+  rt::Duration now_{0};
+  rt::Duration next_tick_;
+  std::uint64_t ticks_ = 0;
+
+  Power power_ = Power::on;
+  rt::Duration powered_at_{0};
+  rt::Duration booted_at_{0};
+  bool boot_text_due_ = false;
+  bool play_held_ = false;  // since power-on
+  bool power_toggle_high_ = true;
+  BrcDetector brc_{};
+  std::optional<std::uint32_t> brc_baud_{};  // holds through power-off, not through a lost battery
+
+  std::uint32_t baud_;
+  std::uint32_t next_baud_;  // what it sends at, once what was sent before has left
+  rt::Duration baud_change_at_{rt::Duration::max()};
+  rt::Duration deaf_until_{0};
+  rt::Duration last_heard_{rt::Duration::min()};
+  UartLine output_;
+  std::uint32_t sent_sum_ = 0;  // of a frame's bytes, for its checksum
+  bool garbling_ = false;
+  RingBuffer<std::uint8_t> input_;  // heard and not interpreted: while it waits, all
+  oi::CommandParser parser_{};
+
+  oi::Mode mode_ = oi::Mode::off;
+  Inputs inputs_{};
+  rt::Duration play_released_at_{rt::Duration::max()};
+  rt::Duration advance_released_at_{rt::Duration::max()};
+  Inputs seen_{};  // as they were at the last tick
+  Wheels wheels_;
+  rt::Duration wheels_at_{0};
+  bool left_blocked_ = false;  // by set_wheels_blocked()
+  bool right_blocked_ = false;
+  Odometer odometer_;
+  Battery battery_;
+  StreamSender stream_{};
+  SongPlayer songs_{};
+  Melody own_sound_{};  // a beep, a tune: no song of the Open Interface
+  Actuators actuators_{};
+  oi::FixedList<std::uint8_t, oi::kMaxScriptBytes> script_{};
+  std::uint64_t script_tick_ = 0;  // of the last Play Script
+  bool script_played_ = false;
+  bool script_again_ = false;  // it plays itself again, from the next tick on
+  Wait wait_{};
+  Reply reply_{};
+  Demos demos_{};
+  std::int32_t selected_demo_ = 0;
+  std::uint8_t demo_note_ = 0;
+  std::optional<Hazard> last_hazard_{};
+  std::int32_t requested_velocity_mm_s_ = 0;
+  std::int32_t requested_radius_mm_ = 0;
+  std::int32_t requested_right_mm_s_ = 0;
+  std::int32_t requested_left_mm_s_ = 0;
+  DeviceFaults faults_{};
+  Random junk_;
+  DeviceCounters counters_{};
+};
+
+}  // namespace cargobay::hal::sim

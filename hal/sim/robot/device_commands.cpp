@@ -1,0 +1,309 @@
+// What each command does (OI p. 7 to 16). Numbers outside the manual's range are brought into it
+// where the robot has a nearest thing to do, and ignored where it has not; either way they are
+// counted.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "hal/sim/robot/device.hpp"
+#include "oi/baud.hpp"
+#include "oi/commands.hpp"
+#include "oi/extensions.hpp"
+#include "oi/limits.hpp"
+#include "oi/parse.hpp"
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+constexpr oi::FirmwareDate kFirmware{.year = 7, .month = 9, .day = 24, .hour = 18, .minute = 35};
+
+// "Create beeps once to acknowledge it is starting from off" (OI p. 7); how, it does not say.
+constexpr std::array kStartBeep{oi::Note{84, oi::SixtyFourths{8}}};
+
+constexpr std::uint8_t low_byte(std::int32_t value) { return static_cast<std::uint8_t>(value); }
+
+}  // namespace
+
+void Device::process() {
+  // Each byte is taken once; Play Script adds a script's length, once a tick.
+  while (!input_.empty() && !waiting() && !replying() && power_ == Power::on) {
+    const std::uint8_t byte = input_.front();
+    input_.pop_front();
+    interpret(byte);
+  }
+}
+
+void Device::interpret(std::uint8_t byte) {
+  if (mode_ == oi::Mode::off) {
+    // Off does not even take the bytes of a command together: it listens for Start.
+    if (byte == oi::Start::kOpcode) {
+      parser_.reset();
+      ++counters_.commands;
+      enter(oi::Mode::passive);
+      own_sound_.start(kStartBeep, now_);
+    }
+    return;
+  }
+  switch (parser_.push(byte)) {
+    case oi::CommandParser::Outcome::incomplete: return;
+    case oi::CommandParser::Outcome::unknown_opcode: return extension(byte);
+    case oi::CommandParser::Outcome::command: return execute(parser_.info(), parser_.bytes());
+  }
+}
+
+void Device::extension(std::uint8_t opcode) {
+  if (parameters_.extensions == oi::Extensions::on) {
+    if (opcode == oi::kSoftResetOpcode) return reset();
+    if (opcode == oi::kFirmwareDateOpcode) {
+      reply_.begin_bytes(oi::firmware_date_answer(kFirmware));
+      return reply();
+    }
+  }
+  ++counters_.unknown_opcodes;
+}
+
+void Device::execute(const oi::CommandInfo& info, std::span<const std::uint8_t> bytes) {
+  if (!info.available_in(mode_)) {
+    ++counters_.commands_refused;
+    return;
+  }
+  ++counters_.commands;
+  if (!within_manual(bytes)) ++counters_.commands_out_of_range;
+  std::array<std::int32_t, 4> arguments{};
+  std::size_t offset = 1;
+  for (std::size_t i = 0; i < info.argument_count; ++i) {
+    arguments[i] = oi::number_at(bytes.subspan(offset), info.argument_slots[i]);
+    offset += info.argument_slots[i].size;
+  }
+  obey(info.opcode, arguments, bytes.subspan(offset));
+}
+
+bool Device::within_manual(std::span<const std::uint8_t> bytes) const {
+  const oi::ParseResult parsed = oi::parse_command(bytes);
+  if (parsed.outcome == oi::ParseResult::Outcome::command) return true;
+  // An extension's packet in a list or by itself is no mistake of the host's.
+  return parsed.error.argument != nullptr && parsed.error.argument->name == "packet" &&
+         oi::find_packet(low_byte(parsed.error.value), parameters_.extensions) != nullptr;
+}
+
+void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
+                  std::span<const std::uint8_t> tail) {
+  switch (opcode) {
+    case oi::Start::kOpcode: return enter(oi::Mode::passive);
+    case oi::Baud::kOpcode: return change_baud(arguments[0]);
+    case oi::Control::kOpcode:
+    case oi::Safe::kOpcode: return enter(oi::Mode::safe);
+    case oi::Full::kOpcode: return enter(oi::Mode::full);
+    case oi::Spot::kOpcode:
+      return start_demo(static_cast<std::int32_t>(oi::DemoNumber::spot_cover));
+    case oi::Cover::kOpcode: return start_demo(static_cast<std::int32_t>(oi::DemoNumber::cover));
+    case oi::CoverAndDock::kOpcode:
+      return start_demo(static_cast<std::int32_t>(oi::DemoNumber::cover_and_dock));
+    case oi::Demo::kOpcode: return start_demo(arguments[0]);
+    case oi::Drive::kOpcode: return drive(arguments[0], arguments[1]);
+    case oi::DriveDirect::kOpcode: return drive_direct(arguments[0], arguments[1]);
+    case oi::LowSideDrivers::kOpcode:
+      return actuators_.switch_low_side_drivers(low_byte(arguments[0]));
+    case oi::PwmLowSideDrivers::kOpcode:
+      return actuators_.set_low_side_drivers(
+          {low_byte(arguments[2]), low_byte(arguments[1]), low_byte(arguments[0])});
+    case oi::Leds::kOpcode:
+      return actuators_.set_leds(low_byte(arguments[0]), low_byte(arguments[1]),
+                                 low_byte(arguments[2]));
+    case oi::DigitalOutputs::kOpcode:
+      actuators_.digital_outputs = low_byte(arguments[0] & 0b111);
+      return;
+    case oi::SendIr::kOpcode: return actuators_.send_infrared(low_byte(arguments[0]));
+    case oi::Song::kOpcode: return songs_.store(low_byte(arguments[0]), tail);
+    case oi::Play::kOpcode: return songs_.play(low_byte(arguments[0]), now_);
+    case oi::Sensors::kOpcode:
+      reply_.begin_packets(std::array{low_byte(arguments[0])});
+      return reply();
+    case oi::QueryList::kOpcode: reply_.begin_packets(tail); return reply();
+    case oi::Stream::kOpcode: return stream_.start(tail, parameters_.extensions);
+    case oi::PauseResumeStream::kOpcode:
+      return arguments[0] == 0 ? stream_.pause() : stream_.resume();
+    case oi::Script::kOpcode: return store_script(tail);
+    case oi::PlayScript::kOpcode: return play_script();
+    case oi::ShowScript::kOpcode: return show_script();
+    case oi::WaitTime::kOpcode: return wait_.for_time(arguments[0], now_);
+    case oi::WaitDistance::kOpcode:
+      odometer_.reset_distance();
+      return wait_.for_distance(arguments[0]);
+    case oi::WaitAngle::kOpcode: odometer_.reset_angle(); return wait_.for_angle(arguments[0]);
+    case oi::WaitEvent::kOpcode: return wait_.for_event(arguments[0]);
+    default: return;
+  }
+}
+
+void Device::enter(oi::Mode mode) {
+  const bool controlled = mode_ == oi::Mode::safe || mode_ == oi::Mode::full;
+  const bool controls = mode == oi::Mode::safe || mode == oi::Mode::full;
+  // Taken over, it "waits with all motors and LEDs off"; let go, it stops. Between Safe and Full
+  // the wheels turn on.
+  if (controls) actuators_.leds = {};
+  if (controls != controlled || demos_.running()) stop_motors();
+  demos_.stop();
+  demo_note_ = 0;
+  mode_ = mode;
+}
+
+void Device::stop_motors() {
+  set_wheels({});
+  actuators_.low_side_drivers = {};
+}
+
+// For 100 ms nothing is heard.
+void Device::change_baud(std::int32_t code) {
+  if (code < 0 || code >= static_cast<std::int32_t>(oi::kBaudRates.size())) return;
+  brc_baud_.reset();
+  switch_baud(oi::kBaudRates[static_cast<std::size_t>(code)]);
+  deaf_until_ = now_ + oi::kBaudChangeWait;
+}
+
+// The new rate holds once what was sent before has left.
+void Device::switch_baud(std::uint32_t baud) {
+  next_baud_ = baud;
+  baud_change_at_ = std::max(now_, output_.free_at());
+}
+
+void Device::take_half_command() {
+  if (power_ != Power::on) return;
+  if (mode_ == oi::Mode::off) enter(oi::Mode::passive);
+  parser_.reset();
+  // The longest there is: a song of 255 notes.
+  for (const std::uint8_t byte : {oi::Song::kOpcode, std::uint8_t{0}, std::uint8_t{255}}) {
+    interpret(byte);
+  }
+}
+
+void Device::set_baud(std::uint32_t baud) {
+  next_baud_ = baud;
+  baud_ = baud;
+  baud_change_at_ = rt::Duration::max();
+}
+
+void Device::drive(std::int32_t velocity_mm_s, std::int32_t radius_mm) {
+  const bool straight =
+      radius_mm == oi::kStraight.value || radius_mm == oi::kStraightAlternative.value;
+  velocity_mm_s = std::clamp(velocity_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
+  if (!straight) radius_mm = std::clamp(radius_mm, -oi::kMaxRadius, oi::kMaxRadius);
+  requested_velocity_mm_s_ = velocity_mm_s;
+  requested_radius_mm_ = radius_mm;
+  const auto velocity = static_cast<double>(velocity_mm_s);
+  if (straight || radius_mm == 0) return obey_drive({velocity, velocity});
+  if (radius_mm == oi::kTurnClockwise.value) return obey_drive({velocity, -velocity});
+  if (radius_mm == oi::kTurnCounterClockwise.value) return obey_drive({-velocity, velocity});
+  const double half_base_per_radius =
+      0.5 * parameters_.wheels.wheel_base_mm / static_cast<double>(radius_mm);
+  WheelSpeeds speeds{velocity * (1.0 - half_base_per_radius),
+                     velocity * (1.0 + half_base_per_radius)};
+  // An arc too fast for the outer wheel is driven slower, on the same arc (OI p. 9).
+  const double fastest = std::max(std::abs(speeds.left_mm_s), std::abs(speeds.right_mm_s));
+  if (fastest > oi::kMaxWheelSpeed) {
+    constexpr double kMost = oi::kMaxWheelSpeed;  // and not a rounding more
+    speeds.left_mm_s = std::clamp(speeds.left_mm_s * kMost / fastest, -kMost, kMost);
+    speeds.right_mm_s = std::clamp(speeds.right_mm_s * kMost / fastest, -kMost, kMost);
+  }
+  obey_drive(speeds);
+}
+
+void Device::drive_direct(std::int32_t right_mm_s, std::int32_t left_mm_s) {
+  requested_right_mm_s_ = std::clamp(right_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
+  requested_left_mm_s_ = std::clamp(left_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
+  obey_drive(
+      {static_cast<double>(requested_left_mm_s_), static_cast<double>(requested_right_mm_s_)});
+}
+
+void Device::obey_drive(WheelSpeeds command) {
+  set_wheels(command);
+  if (on_drive) on_drive({.time = now_, .tick = ticks_, .command = command});
+}
+
+void Device::set_wheels(WheelSpeeds command) {
+  advance_wheels();
+  wheels_.set_command(command);
+}
+
+void Device::start_demo(std::int32_t number) {
+  enter(oi::Mode::passive);
+  demos_.start(number, demo_view());
+}
+
+Demos::View Device::demo_view() const {
+  const double mm_per_count = 1.0 / parameters_.wheels.counts_per_mm;
+  const double left_mm = static_cast<double>(wheels_.left().counts()) * mm_per_count;
+  const double right_mm = static_cast<double>(wheels_.right().counts()) * mm_per_count;
+  const double turned_rad = (right_mm - left_mm) / parameters_.wheels.wheel_base_mm;
+  return {.now = now_,
+          .seen = &seen_,
+          .travelled_mm = 0.5 * (left_mm + right_mm),
+          .turned_deg = turned_rad * 180.0 / std::numbers::pi};
+}
+
+void Device::tick_demo() {
+  if (!demos_.running()) return;
+  const Demos::Action action = demos_.step(demo_view());
+  set_wheels(action.wheels);
+  demo_note_ = action.note;
+}
+
+// Off and Passive, the robot is its own: Play starts and ends the demo that Advance selects.
+void Device::tick_buttons(const Inputs& before) {
+  if (mode_ == oi::Mode::safe || mode_ == oi::Mode::full) return;
+  if (waiting()) return;  // it does not "react to any inputs, serial or otherwise" (OI p. 15)
+  constexpr auto kDemos = static_cast<std::int32_t>(oi::DemoNumber::banjo) + 1;
+  if (seen_.advance_button && !before.advance_button)
+    selected_demo_ = (selected_demo_ + 1) % kDemos;
+  if (!seen_.play_button || before.play_button) return;
+  const bool ends = demos_.running();
+  demos_.start(ends ? -1 : selected_demo_, demo_view());
+  if (ends) stop_motors();
+}
+
+// One longer than the manual's 100 bytes is not stored, and what is stored stays, as with a song.
+void Device::store_script(std::span<const std::uint8_t> body) {
+  if (body.size() > oi::kMaxScriptBytes) return;
+  script_.clear();
+  (void)script_.append(body);  // it fits: asked above
+}
+
+// "Loads a script into the serial input queue" (OI p. 15): behind what is in it. One that plays
+// itself again without a wait does so once a tick.
+void Device::play_script() {
+  if (script_.empty()) return;
+  if (script_tick_ == ticks_ && script_played_) {
+    wait_.for_tick(now_);
+    script_again_ = true;
+    return;
+  }
+  script_played_ = true;
+  script_tick_ = ticks_;
+  for (const std::uint8_t byte : script_) {
+    if (!input_.push_back(byte)) ++counters_.bytes_overrun;
+  }
+}
+
+void Device::tick_wait() {
+  wait_.look({.now = now_,
+              .distance_mm = odometer_.distance_mm(),
+              .angle_deg = odometer_.angle_deg(),
+              .seen = &seen_,
+              .mode = mode_});
+  if (waiting() || !script_again_) return;
+  script_again_ = false;
+  play_script();
+}
+
+void Device::show_script() {
+  stream_.pause();
+  oi::FixedList<std::uint8_t, 1 + oi::kMaxScriptBytes> answer;
+  (void)answer.push_back(static_cast<std::uint8_t>(script_.size()));
+  (void)answer.append(script_);
+  reply_.begin_bytes(answer);
+  reply();
+}
+
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,175 @@
+// Power, boot and charging: what the robot is before and beside its Open Interface (OI p. 5), and
+// what it prints then.
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "hal/sim/robot/device.hpp"
+#include "oi/baud.hpp"
+#include "oi/limits.hpp"
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+// What the robot's bootloader and firmware say; the silence before it is 3 s.
+constexpr std::string_view kBootText =
+    "bl-start\r\n2006-09-12-1137-L   \r\nRDK by iRobot!\r\nMC9S12E128\r\n2006-11-20-1731-L   \r\n"
+    "battery-current-quiescent-raw 524  battery-current-zero 510\r\n\r\n2006-11-20-1731-L   \r\n";
+constexpr rt::Duration kBootSilence = std::chrono::seconds{3};
+constexpr rt::Duration kResetTime = std::chrono::milliseconds{4500};
+constexpr rt::Duration kPlayHeld = std::chrono::seconds{4};
+// "A tune of descending pitches" (OI p. 5); which, it does not say.
+constexpr std::array kTuneOf19200{
+    oi::Note{79, oi::SixtyFourths{8}}, oi::Note{76, oi::SixtyFourths{8}},
+    oi::Note{72, oi::SixtyFourths{8}}, oi::Note{67, oi::SixtyFourths{16}}};
+constexpr std::uint8_t kAllOutputsHigh = 0b111;
+
+constexpr double kSleepingMa = 5.0;
+constexpr double kIdleMa = 250.0;
+constexpr double kWheelMaPerMmPerSec = 0.5;
+constexpr double kStalledWheelMa = 1000.0;                   // OI p. 17
+constexpr double kDriverMa = 250.0;                          // of what hangs on a low side driver
+constexpr std::array kDriverLimitsMa{500.0, 500.0, 1600.0};  // OI p. 17
+
+}  // namespace
+
+void Device::switch_on(rt::Duration boot_time) {
+  forget_oi();
+  power_ = Power::booting;
+  powered_at_ = now_;
+  booted_at_ = now_ + boot_time;
+  boot_text_due_ = true;
+  play_held_ = inputs_.play_button;
+  actuators_ = {};
+  actuators_.digital_outputs = kAllOutputsHigh;
+  brc_.power_on(now_);
+  switch_baud(brc_baud_.value_or(parameters_.boot_baud));
+  ++counters_.boots;
+}
+
+void Device::switch_off() {
+  forget_oi();
+  power_ = Power::off;
+  actuators_ = {};
+  print("processor-sleep\r\n");
+}
+
+void Device::forget_oi() {
+  mode_ = oi::Mode::off;
+  set_wheels({});
+  parser_.reset();
+  input_.clear();
+  wait_.end();
+  reply_.clear();
+  demos_.stop();
+  demo_note_ = 0;
+  own_sound_.stop();
+  stream_.reset();
+  songs_.reset();
+  script_.clear();
+  script_played_ = false;
+  script_again_ = false;
+  requested_velocity_mm_s_ = 0;
+  requested_radius_mm_ = 0;
+  requested_right_mm_s_ = 0;
+  requested_left_mm_s_ = 0;
+}
+
+void Device::press_power() {
+  if (power_ != Power::off) return switch_off();
+  output_.clear();  // what it had not sent, at 300 baud half a minute's worth, went with the power
+  print("key-wakeup\r\n");
+  switch_on(kPowerOnTime);
+}
+
+void Device::set_power_toggle(bool high) {
+  if (high && !power_toggle_high_) press_power();
+  power_toggle_high_ = high;
+}
+
+void Device::set_brc(bool high) {
+  if (!brc_.set_level(high, now_) || power_ == Power::off) return;
+  brc_baud_ = oi::kBrcBaud;
+  switch_baud(oi::kBrcBaud);
+}
+
+void Device::reset() {
+  if (power_ != Power::off) switch_on(kResetTime);
+}
+
+void Device::brown_out() {
+  if (power_ == Power::off) return;
+  brc_baud_.reset();
+  output_.clear();
+  switch_on(kPowerOnTime);
+}
+
+// After that "the OI is in off mode" (OI p. 6) and no rate is remembered (OI p. 5, 7).
+void Device::change_battery(BatteryPack pack) {
+  forget_oi();
+  power_ = Power::off;
+  actuators_ = {};
+  brc_baud_.reset();
+  output_.clear();
+  battery_.insert(pack);
+}
+
+// "If too much current is requested, the current is limited" (OI p. 10).
+std::array<double, 3> Device::low_side_driver_ma() const {
+  std::array<double, 3> drivers_ma{};
+  for (std::size_t i = 0; i < drivers_ma.size(); ++i) {
+    const double full_ma = seen_.overcurrent_low_side_driver[i] ? kDriverLimitsMa[i] : kDriverMa;
+    drivers_ma[i] = full_ma * actuators_.low_side_drivers[i] / kFullDuty;
+  }
+  return drivers_ma;
+}
+
+void Device::tick_boot() {
+  if (boot_text_due_ && now_ >= powered_at_ + kBootSilence) {
+    boot_text_due_ = false;
+    actuators_.digital_outputs = 0;
+    print(kBootText);
+  }
+  if (now_ >= booted_at_) power_ = Power::on;
+}
+
+void Device::tick_battery() {
+  const bool in_control = mode_ == oi::Mode::safe || mode_ == oi::Mode::full;
+  double load_ma = power_ == Power::off ? kSleepingMa : kIdleMa;
+  const WheelSpeeds speeds = wheels_.speeds();
+  load_ma += kWheelMaPerMmPerSec * (std::abs(speeds.left_mm_s) + std::abs(speeds.right_mm_s));
+  for (const Wheel& wheel : {wheels_.left(), wheels_.right()})
+    load_ma += wheel.stalled() ? kStalledWheelMa : 0.0;
+  for (const double driver_ma : low_side_driver_ma()) load_ma += driver_ma;
+  battery_.advance(oi::kTick, load_ma, seen_.charger || seen_.home_base, !in_control);
+  if (battery_.empty() && power_ != Power::off) {
+    switch_off();
+    brc_baud_.reset();
+  }
+  const bool second_over = battery_.charging_time() / std::chrono::seconds{1} !=
+                           (battery_.charging_time() - oi::kTick) / std::chrono::seconds{1};
+  if (battery_.charging() && second_over && parameters_.charging_text) print_charging();
+}
+
+// Held down for 4 s since power-on, Play means 19200 (OI p. 5).
+void Device::tick_play_held() {
+  play_held_ = play_held_ && seen_.play_button && power_ != Power::off;
+  if (!play_held_ || now_ < powered_at_ + kPlayHeld) return;
+  play_held_ = false;
+  switch_baud(oi::kBrcBaud);
+  own_sound_.start(kTuneOf19200, now_);
+}
+
+void Device::print_charging() {
+  const auto seconds = battery_.charging_time() / std::chrono::seconds{1};
+  std::array<char, 96> line{};
+  const int length = std::snprintf(
+      line.data(), line.size(), "bat:   min %d  sec %d  mV %d  mA %d  deg-C %d  \r\n",
+      static_cast<int>(seconds / 60), static_cast<int>(seconds % 60),
+      static_cast<int>(battery_.voltage_mv()), static_cast<int>(battery_.current_ma()),
+      static_cast<int>(battery_.temperature_deg_c()));
+  print({line.data(), static_cast<std::size_t>(length)});
+}
+
+}  // namespace cargobay::hal::sim

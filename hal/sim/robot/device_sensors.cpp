@@ -1,0 +1,103 @@
+// What each packet reads (OI p. 17 to 21). Sensors are as they were at the last tick; what the
+// robot knows of itself (packets 35 to 42) is as it is.
+#include <cmath>
+
+#include "hal/sim/robot/device.hpp"
+#include "oi/extensions.hpp"
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+constexpr std::int32_t bit(bool set, unsigned number) {
+  return static_cast<std::int32_t>(static_cast<unsigned>(set) << number);
+}
+
+std::int32_t raw_count(std::int64_t edges) { return static_cast<std::uint16_t>(edges); }
+std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lround(value)); }
+
+}  // namespace
+
+// As far as the line has room, and on at the next tick: a reply comes whole, however long (255
+// times group 6 is 2.3 s at 57600).
+void Device::reply() {
+  while (reply_.under_way() && output_.room() >= kLongestPart) {
+    const std::uint8_t part = reply_.front();
+    reply_.is_packet() ? send_packet(part) : send(part);
+    reply_.pop();
+  }
+}
+
+// Nothing for an id that is no packet.
+void Device::send_packet(std::uint8_t id) {
+  const oi::PacketInfo* info = oi::find_packet(id, parameters_.extensions);
+  if (info == nullptr) return;
+  for (std::uint8_t single = info->first; single <= info->last; ++single) {
+    const auto raw = static_cast<std::uint32_t>(read_sensor(single));
+    if (oi::find_packet(single, parameters_.extensions)->size == 2) {
+      send(static_cast<std::uint8_t>(raw >> 8U));
+    }
+    send(static_cast<std::uint8_t>(raw));
+  }
+}
+
+std::int32_t Device::read_sensor(std::uint8_t id) {
+  const auto packet = static_cast<oi::PacketId>(id);
+  if (packet == oi::kRawLeftCount) return raw_count(wheels_.left().edges());
+  if (packet == oi::kRawRightCount) return raw_count(wheels_.right().edges());
+  switch (packet) {
+    case oi::PacketId::bumps_and_wheel_drops:
+      return bit(seen_.bump_right, 0) | bit(seen_.bump_left, 1) | bit(seen_.wheel_drop_right, 2) |
+             bit(seen_.wheel_drop_left, 3) | bit(seen_.wheel_drop_caster, 4);
+    case oi::PacketId::wall: return seen_.wall;
+    case oi::PacketId::cliff_left: return seen_.cliff_left.cliff;
+    case oi::PacketId::cliff_front_left: return seen_.cliff_front_left.cliff;
+    case oi::PacketId::cliff_front_right: return seen_.cliff_front_right.cliff;
+    case oi::PacketId::cliff_right: return seen_.cliff_right.cliff;
+    case oi::PacketId::virtual_wall: return seen_.virtual_wall;
+    case oi::PacketId::overcurrents:
+      // LD1 is bit 0 and LD0 bit 1: the manual has them in this order.
+      return bit(seen_.overcurrent_low_side_driver[1], 0) |
+             bit(seen_.overcurrent_low_side_driver[0], 1) |
+             bit(seen_.overcurrent_low_side_driver[2], 2) | bit(seen_.overcurrent_right_wheel, 3) |
+             bit(seen_.overcurrent_left_wheel, 4);
+    case oi::PacketId::infrared_byte: return seen_.infrared;
+    case oi::PacketId::buttons: return bit(seen_.play_button, 0) | bit(seen_.advance_button, 2);
+    case oi::PacketId::distance: return junk_or(odometer_.take_distance().value);
+    case oi::PacketId::angle: return junk_or(odometer_.take_angle().value);
+    case oi::PacketId::charging_state: return static_cast<std::int32_t>(battery_.state());
+    case oi::PacketId::voltage: return rounded(battery_.voltage_mv());
+    case oi::PacketId::current: return rounded(battery_.current_ma());
+    case oi::PacketId::battery_temperature: return rounded(battery_.temperature_deg_c());
+    case oi::PacketId::battery_charge: return rounded(battery_.reported_charge_mah());
+    case oi::PacketId::battery_capacity: return rounded(battery_.reported_capacity_mah());
+    case oi::PacketId::wall_signal: return seen_.wall_signal;
+    case oi::PacketId::cliff_left_signal: return seen_.cliff_left.signal;
+    case oi::PacketId::cliff_front_left_signal: return seen_.cliff_front_left.signal;
+    case oi::PacketId::cliff_front_right_signal: return seen_.cliff_front_right.signal;
+    case oi::PacketId::cliff_right_signal: return seen_.cliff_right.signal;
+    case oi::PacketId::digital_inputs:
+      return bit(seen_.digital[0], 0) | bit(seen_.digital[1], 1) | bit(seen_.digital[2], 2) |
+             bit(seen_.digital[3], 3) | bit(brc_.high(), 4);
+    case oi::PacketId::analog_signal: return seen_.analog;
+    case oi::PacketId::charging_sources: return bit(seen_.charger, 0) | bit(seen_.home_base, 1);
+    case oi::PacketId::oi_mode: return static_cast<std::int32_t>(mode_);
+    case oi::PacketId::song_number: return songs_.selected();
+    case oi::PacketId::song_playing: return songs_.playing();
+    case oi::PacketId::stream_packets: return static_cast<std::int32_t>(stream_.packets().size());
+    case oi::PacketId::requested_velocity: return requested_velocity_mm_s_;
+    case oi::PacketId::requested_radius: return requested_radius_mm_;
+    case oi::PacketId::requested_right_velocity: return requested_right_mm_s_;
+    case oi::PacketId::requested_left_velocity: return requested_left_mm_s_;
+    default: return 0;  // the unused packets
+  }
+}
+
+// The first reading after connecting is junk on real robots: one of each, where that fault is on.
+std::int32_t Device::junk_or(std::int32_t reading) {
+  if (faults_.junk_readings == 0) return reading;
+  --faults_.junk_readings;
+  return static_cast<std::int16_t>(junk_.next());
+}
+
+}  // namespace cargobay::hal::sim

@@ -1,0 +1,284 @@
+#include "hal/sim/world/world.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "hal/sim/safety.hpp"
+
+namespace cargobay::hal::sim {
+
+namespace {
+
+constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
+
+// The robot's own places, seen from its centre.
+constexpr double kBumperHalfDeg = 90.0;  // the bumper is the front half
+constexpr double kBumperBothDeg = 15.0;  // a contact so near to straight ahead is both
+constexpr double kCliffSensorMm = 150.0;
+constexpr double kCliffSideDeg = 65.0;
+constexpr double kCliffFrontDeg = 17.0;
+constexpr double kCasterMm = 130.0;
+constexpr double kWallSensorDeg = -65.0;  // at the front right
+constexpr double kWallRangeMm = 120.0;
+constexpr double kWallSeenMm = 60.0;
+
+constexpr std::uint16_t kCliffSignal = 8;  // hardly any light comes back
+constexpr double kWallSignal = 4095.0;
+
+constexpr double kVirtualWallRangeMm = 2000.0;
+constexpr double kVirtualWallHalfDeg = 10.0;
+constexpr double kVirtualWallHaloMm = 100.0;  // around its housing
+constexpr double kVirtualWallRadiusMm = 40.0;
+constexpr double kBuoyRangeMm = 1500.0;
+constexpr double kForceFieldMm = 500.0;
+constexpr double kDockedMm = 40.0;
+constexpr double kDockedDeg = 20.0;
+constexpr std::uint8_t kHomeBase = 240;
+constexpr std::uint8_t kRedBuoy = 8;
+constexpr std::uint8_t kGreenBuoy = 4;
+constexpr std::uint8_t kForceField = 2;
+
+constexpr int kContactRounds = 4;  // a corner takes two
+
+Point operator+(Point a, Point b) { return {a.x_mm + b.x_mm, a.y_mm + b.y_mm}; }
+Point operator-(Point a, Point b) { return {a.x_mm - b.x_mm, a.y_mm - b.y_mm}; }
+Point operator*(double scale, Point a) { return {scale * a.x_mm, scale * a.y_mm}; }
+double dot(Point a, Point b) { return a.x_mm * b.x_mm + a.y_mm * b.y_mm; }
+double cross(Point a, Point b) { return a.x_mm * b.y_mm - a.y_mm * b.x_mm; }
+double length(Point a) { return std::hypot(a.x_mm, a.y_mm); }
+double angle_deg(Point a) { return std::atan2(a.y_mm, a.x_mm) * kDegreesPerRad; }
+Point direction(double degrees) {
+  return {std::cos(degrees / kDegreesPerRad), std::sin(degrees / kDegreesPerRad)};
+}
+// Into -180 to 180.
+double wrapped_deg(double degrees) { return std::remainder(degrees, 360.0); }
+
+// The place `distance_mm` from the robot's centre, at that angle from its heading.
+Point place(const Pose& pose, double distance_mm, double off_heading_deg) {
+  const double heading_deg = pose.heading_rad * kDegreesPerRad + off_heading_deg;
+  return Point{pose.x_mm, pose.y_mm} + distance_mm * direction(heading_deg);
+}
+
+std::array<Segment, 4> edges(const Rectangle& box) {
+  const Point a = box.corner;
+  const Point b = a + Point{box.width_mm, 0.0};
+  const Point c = a + Point{box.width_mm, box.height_mm};
+  const Point d = a + Point{0.0, box.height_mm};
+  return {{{a, b}, {b, c}, {c, d}, {d, a}}};
+}
+
+bool inside(const Rectangle& box, Point at) {
+  return at.x_mm >= box.corner.x_mm && at.x_mm <= box.corner.x_mm + box.width_mm &&
+         at.y_mm >= box.corner.y_mm && at.y_mm <= box.corner.y_mm + box.height_mm;
+}
+
+Point nearest(const Segment& segment, Point at) {
+  const Point along = segment.to - segment.from;
+  const double squared = dot(along, along);
+  if (squared == 0.0) return segment.from;
+  const double part = std::clamp(dot(at - segment.from, along) / squared, 0.0, 1.0);
+  return segment.from + part * along;
+}
+
+// Calls visit(nearest point) for each thing that can be run into.
+template <typename Visit>
+void visit_nearest(const World& world, Point at, Visit&& visit) {
+  const auto visit_circle = [&](Point centre, double radius_mm) {
+    const Point away = at - centre;
+    const double distance = length(away);
+    visit(distance == 0.0 ? centre : centre + (radius_mm / distance) * away);
+  };
+  for (const Segment& wall : world.walls) visit(nearest(wall, at));
+  for (const Rectangle& box : world.boxes) {
+    for (const Segment& edge : edges(box)) visit(nearest(edge, at));
+  }
+  for (const Circle& post : world.posts) visit_circle(post.centre, post.radius_mm);
+  for (const Beam& wall : world.virtual_walls) visit_circle(wall.origin, kVirtualWallRadiusMm);
+}
+
+// How far along the ray the segment is; infinite where it is not met.
+double met_at(Point from, Point toward, const Segment& segment) {
+  const Point along = segment.to - segment.from;
+  const double parallel = cross(toward, along);
+  if (parallel == 0.0) return std::numeric_limits<double>::infinity();
+  const double distance = cross(segment.from - from, along) / parallel;
+  const double part = cross(segment.from - from, toward) / parallel;
+  const bool met = distance >= 0.0 && part >= 0.0 && part <= 1.0;
+  return met ? distance : std::numeric_limits<double>::infinity();
+}
+
+double met_at(Point from, Point toward, const Circle& post) {
+  const Point to_centre = post.centre - from;
+  const double along = dot(to_centre, toward);
+  const double aside = cross(toward, to_centre);
+  const double half_chord = post.radius_mm * post.radius_mm - aside * aside;
+  if (along < 0.0 || half_chord < 0.0) return std::numeric_limits<double>::infinity();
+  return along - std::sqrt(half_chord);
+}
+
+// The distance to the first thing in that direction, a unit vector.
+double free_way_mm(const World& world, Point from, Point toward) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (const Segment& wall : world.walls) distance = std::min(distance, met_at(from, toward, wall));
+  for (const Rectangle& box : world.boxes) {
+    for (const Segment& edge : edges(box))
+      distance = std::min(distance, met_at(from, toward, edge));
+  }
+  for (const Circle& post : world.posts) distance = std::min(distance, met_at(from, toward, post));
+  return distance;
+}
+
+bool in_sight(const World& world, Point from, Point to) {
+  const double distance = length(to - from);
+  if (distance == 0.0) return true;
+  // What stands at either end, as the base does at its own wall, hides nothing.
+  constexpr double kSlackMm = 20.0;
+  const Point toward = (1.0 / distance) * (to - from);
+  return free_way_mm(world, from + kSlackMm * toward, toward) >= distance - 2.0 * kSlackMm;
+}
+
+void sense_cliffs(const World& world, const Pose& pose, Inputs& inputs) {
+  const auto over_cliff = [&world](Point at) {
+    return std::any_of(world.cliffs.begin(), world.cliffs.end(),
+                       [at](const Rectangle& cliff) { return inside(cliff, at); });
+  };
+  const auto look = [&](CliffSensor& sensor, double off_heading_deg) {
+    if (over_cliff(place(pose, kCliffSensorMm, off_heading_deg))) {
+      sensor = {.cliff = true, .signal = kCliffSignal};
+    }
+  };
+  look(inputs.cliff_left, kCliffSideDeg);
+  look(inputs.cliff_front_left, kCliffFrontDeg);
+  look(inputs.cliff_front_right, -kCliffFrontDeg);
+  look(inputs.cliff_right, -kCliffSideDeg);
+  const double wheel_mm = 0.5 * oi::kWheelBaseMm;
+  if (over_cliff(place(pose, wheel_mm, 90.0))) inputs.wheel_drop_left = true;
+  if (over_cliff(place(pose, wheel_mm, -90.0))) inputs.wheel_drop_right = true;
+  if (over_cliff(place(pose, kCasterMm, 0.0))) inputs.wheel_drop_caster = true;
+}
+
+void sense_wall(const World& world, const Pose& pose, Inputs& inputs) {
+  const double heading_deg = pose.heading_rad * kDegreesPerRad + kWallSensorDeg;
+  const double distance =
+      free_way_mm(world, place(pose, kRobotRadiusMm, kWallSensorDeg), direction(heading_deg));
+  if (distance >= kWallRangeMm) return;
+  inputs.wall_signal =
+      std::max(inputs.wall_signal,
+               static_cast<std::uint16_t>(kWallSignal * (1.0 - distance / kWallRangeMm)));
+  if (distance < kWallSeenMm) inputs.wall = true;
+}
+
+// Whether light from there comes in through the opening of the receiver.
+bool comes_in(const Pose& pose, Point from, double opening_deg) {
+  const double bearing_deg = angle_deg(from - Point{pose.x_mm, pose.y_mm});
+  const double off_deg = wrapped_deg(bearing_deg - pose.heading_rad * kDegreesPerRad);
+  return std::abs(off_deg) <= 0.5 * opening_deg;
+}
+
+void sense_virtual_walls(const World& world, const Pose& pose, double opening_deg, Inputs& inputs) {
+  const Point at{pose.x_mm, pose.y_mm};
+  for (const Beam& beam : world.virtual_walls) {
+    if (!comes_in(pose, beam.origin, opening_deg)) continue;
+    const Point away = at - beam.origin;
+    const double distance = length(away) - kRobotRadiusMm;
+    const double off_deg = wrapped_deg(angle_deg(away) - beam.heading_deg);
+    const bool in_beam = distance < kVirtualWallRangeMm &&
+                         std::abs(off_deg) < kVirtualWallHalfDeg &&
+                         in_sight(world, beam.origin, at);
+    if (in_beam || distance < kVirtualWallHaloMm) inputs.virtual_wall = true;
+  }
+}
+
+// Of a buoy and the force field, what lights that place: bits of the infrared byte.
+std::uint8_t light_of_home_base(const World& world, Point at) {
+  const Beam& base = *world.home_base;
+  const Point away = at - base.origin;
+  const double distance = length(away) - kRobotRadiusMm;
+  if (distance >= std::max(kBuoyRangeMm, kForceFieldMm) || !in_sight(world, base.origin, at)) {
+    return 0;
+  }
+  const double off_deg = wrapped_deg(angle_deg(away) - base.heading_deg);
+  std::uint8_t light = 0;
+  if (distance < kForceFieldMm) light |= kForceField;
+  // Seen from the base, red is to its left and green to its right; in the middle both are.
+  const bool lit = distance < kBuoyRangeMm;
+  if (lit && off_deg > -kBuoyOverlapDeg && off_deg < kBuoyWideDeg) light |= kRedBuoy;
+  if (lit && off_deg < kBuoyOverlapDeg && off_deg > -kBuoyWideDeg) light |= kGreenBuoy;
+  return light;
+}
+
+void sense_home_base(const World& world, const Pose& pose, double opening_deg, Inputs& inputs) {
+  if (!world.home_base) return;
+  const Point at{pose.x_mm, pose.y_mm};
+  const bool open = comes_in(pose, world.home_base->origin, opening_deg);
+  const std::uint8_t seen = open ? light_of_home_base(world, at) : std::uint8_t{0};
+  if (seen != 0 && inputs.infrared == kNoInfrared) {
+    inputs.infrared = static_cast<std::uint8_t>(kHomeBase + seen);
+  }
+  if ((seen & kForceField) != 0) inputs.virtual_wall = true;
+  const Point away = at - world.home_base->origin;
+  const double distance = length(away) - kRobotRadiusMm;
+  const double off_deg = wrapped_deg(angle_deg(away) - world.home_base->heading_deg);
+  const double facing_deg =
+      wrapped_deg(pose.heading_rad * kDegreesPerRad - (world.home_base->heading_deg + 180.0));
+  if (distance < kDockedMm && std::abs(off_deg) < kDockedDeg && std::abs(facing_deg) < kDockedDeg) {
+    inputs.home_base = true;
+  }
+}
+
+}  // namespace
+
+std::optional<Contact> World::collide(const Pose& pose) const {
+  Contact contact{.centre = {pose.x_mm, pose.y_mm}};
+  bool touched = false;
+  for (int round = 0; round < kContactRounds; ++round) {
+    double deepest_mm = kRobotRadiusMm;
+    Point from{};
+    visit_nearest(*this, contact.centre, [&](Point point) {
+      const double distance = length(point - contact.centre);
+      if (distance >= deepest_mm) return;
+      deepest_mm = distance;
+      from = point;
+    });
+    if (deepest_mm >= kRobotRadiusMm) break;
+    touched = true;
+    const Point toward = from - contact.centre;
+    const double off_deg = wrapped_deg(angle_deg(toward) - pose.heading_rad * kDegreesPerRad);
+    if (std::abs(off_deg) <= kBumperHalfDeg) {
+      contact.left = contact.left || off_deg > -kBumperBothDeg;
+      contact.right = contact.right || off_deg < kBumperBothDeg;
+    }
+    if (deepest_mm == 0.0) break;  // in the middle of it: nowhere to go
+    contact.centre = from - (kRobotRadiusMm / deepest_mm) * toward;
+  }
+  if (!touched) return std::nullopt;
+  return contact;
+}
+
+void World::sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg) const {
+  sense_cliffs(*this, pose, inputs);
+  sense_wall(*this, pose, inputs);
+  sense_virtual_walls(*this, pose, receiver_opening_deg, inputs);
+  sense_home_base(*this, pose, receiver_opening_deg, inputs);
+}
+
+void inhabit(Device& device, const World& world) {
+  device.place(world.start);
+  device.surroundings = [&world](Device& robot, Inputs& seen) {
+    Pose pose = robot.truth().pose;
+    if (const auto contact = world.collide(pose)) {
+      // Held, its wheels slip: the encoders count on, the robot does not get there.
+      pose.x_mm = contact->centre.x_mm;
+      pose.y_mm = contact->centre.y_mm;
+      robot.place(pose);
+      seen.bump_left = seen.bump_left || contact->left;
+      seen.bump_right = seen.bump_right || contact->right;
+    }
+    world.sense(pose, seen, robot.parameters().receiver_opening_deg);
+  };
+}
+
+}  // namespace cargobay::hal::sim

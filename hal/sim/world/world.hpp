@@ -1,0 +1,76 @@
+// A flat world for the virtual Create: what it runs into, falls off, sees and is seen by. Lengths
+// in millimetres, angles in degrees, counter-clockwise.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/result.hpp"
+#include "hal/sim/inputs.hpp"
+#include "hal/sim/robot/device.hpp"
+#include "hal/sim/wheels.hpp"
+
+namespace cargobay::hal::sim {
+
+// How far the light of each of a home base's two buoys reaches.
+inline constexpr double kBuoyWideDeg = 40.0;    // to its own side
+inline constexpr double kBuoyOverlapDeg = 5.0;  // across the middle
+
+struct Point {
+  double x_mm = 0.0;
+  double y_mm = 0.0;
+};
+struct Segment {
+  Point from{};
+  Point to{};
+};
+struct Rectangle {  // lower left corner and size
+  Point corner{};
+  double width_mm = 0.0;
+  double height_mm = 0.0;
+};
+struct Circle {
+  Point centre{};
+  double radius_mm = 0.0;
+};
+struct Beam {
+  Point origin{};
+  double heading_deg = 0.0;
+};
+
+// Where the robot stands after what it ran into held it, and where it was touched.
+struct Contact {
+  Point centre{};
+  bool left = false;  // of its bumper
+  bool right = false;
+};
+
+struct World {
+  std::vector<Segment> walls{};
+  std::vector<Rectangle> boxes{};
+  std::vector<Circle> posts{};
+  std::vector<Rectangle> cliffs{};  // no floor here
+  std::vector<Beam> virtual_walls{};
+  std::optional<Beam> home_base{};  // the heading is the way it faces
+  Pose start{};
+
+  // One thing a line:
+  //   wall X1 Y1 X2 Y2 · box X Y WIDTH HEIGHT · post X Y RADIUS · cliff X Y WIDTH HEIGHT
+  //   virtual-wall X Y HEADING · home-base X Y HEADING · start X Y HEADING
+  // What follows a # is a comment. A failure names the line.
+  static Result<World> parse(std::string_view text);
+  static Result<World> load(const std::string& path);
+
+  // Nothing where the robot touches nothing.
+  std::optional<Contact> collide(const Pose& pose) const;
+  // Adds what a robot in that place would see; bumps are collide()'s. Its infrared receiver sees so
+  // far around, the front in the middle.
+  void sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg = kAllAroundDeg) const;
+};
+
+// Puts the device at the start of the world and lets it live there. The world outlives the device.
+void inhabit(Device& device, const World& world);
+
+}  // namespace cargobay::hal::sim

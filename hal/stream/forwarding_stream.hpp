@@ -1,0 +1,44 @@
+// A stream in front of another one, which lives longer: all goes straight through, but what a
+// deriving class takes part in.
+#pragma once
+
+#include "hal/stream/byte_stream.hpp"
+
+namespace cargobay::hal {
+
+class ForwardingStream : public ByteStream {
+ public:
+  // `stream` outlives it.
+  explicit ForwardingStream(ByteStream& stream) : stream_{stream} {}
+
+  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+    return stream_.wait(deadline);
+  }
+  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return stream_.read(bytes);
+  }
+  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+    return stream_.write(bytes);
+  }
+  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_.now(); }
+  bool still_open() const noexcept CARGOBAY_NONBLOCKING override { return stream_.still_open(); }
+
+  Terminal terminal() const override { return stream_.terminal(); }
+  std::uint32_t baud() const override { return stream_.baud(); }
+  std::error_code set_baud(std::uint32_t baud) override { return stream_.set_baud(baud); }
+  std::error_code set_wake_threshold(std::size_t bytes) override {
+    return stream_.set_wake_threshold(bytes);
+  }
+  void discard_input() override { stream_.discard_input(); }
+  bool drain(rt::Duration timeout) override { return stream_.drain(timeout); }
+  void sleep(rt::Duration duration) override { stream_.sleep(duration); }
+
+ protected:
+  ByteStream& stream() { return stream_; }
+  const ByteStream& stream() const { return stream_; }
+
+ private:
+  ByteStream& stream_;
+};
+
+}  // namespace cargobay::hal

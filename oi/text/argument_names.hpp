@@ -1,0 +1,40 @@
+// The values that the manual gives a name: `straight`, `no_bump`, `play`, `distance`. For the text
+// form of commands, for messages and for documentation.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "oi/command_table.hpp"
+#include "oi/text/text_writer.hpp"
+
+namespace cargobay::oi {
+
+struct ValueName {
+  std::string_view name;
+  std::int32_t value = 0;  // of a bit set: the one bit that is meant
+};
+
+// A bit set is written as the names of its bits with commas between; kNoBits for none.
+constexpr bool is_bit_set(const ArgumentInfo& argument) {
+  return argument.size == 1 && argument.mask != 0xff;
+}
+inline constexpr std::string_view kNone = "none";
+
+// All names for values of this argument of the command table; most have none. Those of a baud code
+// are the rates, in digits.
+std::span<const ValueName> value_names(const ArgumentInfo& argument);
+
+// The name of a value, empty where it has none; and back.
+std::string_view value_name(const ArgumentInfo& argument, std::int32_t value);
+std::optional<std::int32_t> named_value(const ArgumentInfo& argument, std::string_view name);
+
+// A value by name where it has one, else in digits.
+void write_value(TextWriter& out, const ArgumentInfo& argument, std::int32_t value);
+// What the argument may be, for a person: `-2000 to 2000 mm, or straight, clockwise or
+// counter_clockwise`.
+void write_choice(TextWriter& out, const ArgumentInfo& argument);
+
+}  // namespace cargobay::oi

@@ -1,0 +1,29 @@
+// What bytes of the Open Interface mean, one by one, in words. For people: a tool, a log, a test
+// that fails. No heap; each description is handed over piece by piece.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "oi/packet_table.hpp"
+#include "oi/text/annotation.hpp"
+#include "oi/text/text_writer.hpp"
+
+namespace cargobay::oi {
+
+// Bytes that the host sends: opcode, arguments in the order of the wire, and behind each command
+// its text form. Bytes in a script are annotated too, with `in_script`.
+Described describe_commands(std::span<const std::uint8_t> bytes, AnnotationSink sink);
+
+// Bytes that the robot sends by itself: stream frames of either checksum, and the text it prints.
+// Replies have no frame around them: here they are stray bytes.
+Described describe_stream(std::span<const std::uint8_t> bytes, AnnotationSink sink);
+
+// The reply to Sensors, or Query List, for these packets.
+Described describe_reply(std::span<const PacketId> packets, std::span<const std::uint8_t> bytes,
+                         AnnotationSink sink);
+
+// A single packet's value with what it means: `16254 mV`, `2 (safe)`, `3 (bump_right, bump_left)`.
+void write_sensor_value(TextWriter& out, PacketId packet, std::int32_t value);
+
+}  // namespace cargobay::oi

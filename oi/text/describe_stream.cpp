@@ -1,0 +1,285 @@
+// The robot's side: describe_stream() and describe_reply().
+#include <string_view>
+
+#include "oi/checksum.hpp"
+#include "oi/frame.hpp"
+#include "oi/sensors.hpp"
+#include "oi/text/describe.hpp"
+#include "oi/text_tail.hpp"
+
+namespace cargobay::oi {
+namespace {
+
+using Kind = Annotation::Kind;
+using Bytes = std::span<const std::uint8_t>;
+
+std::string_view code_name(PacketId packet, std::int32_t value) {
+  const auto code = static_cast<std::uint8_t>(value);
+  switch (packet) {
+    case PacketId::charging_state: return name(ChargingState{code});
+    case PacketId::oi_mode: return name(Mode{code});
+    case PacketId::infrared_byte: return name(InfraredCharacter{code});
+    default: return {};
+  }
+}
+
+void write_bits(TextWriter& out, PacketId packet, std::int32_t value) {
+  std::string_view before = "(";
+  for (unsigned bit = 0; bit < 8; ++bit) {
+    if ((static_cast<std::uint32_t>(value) >> bit & 1U) == 0) continue;
+    const std::string_view name = bit_name(packet, bit);
+    out.put(before);
+    out.put(name.empty() ? "unnamed bit" : name);
+    before = ", ";
+  }
+  out.put(before == "(" ? "(none)" : ")");
+}
+
+class StreamDescriber {
+ public:
+  StreamDescriber(Bytes bytes, const AnnotationSink& sink) : bytes_{bytes}, tell_{bytes, sink} {}
+
+  Described stream() {
+    while (at_ < bytes_.size()) {
+      const Bytes rest = bytes_.subspan(at_);
+      if (const std::size_t length = whole_frame(rest); length != 0) {
+        frame(rest.first(length));
+      } else if (const std::size_t needed = needed_for_frame(rest); needed != 0) {
+        return cut_short(needed);
+      } else {
+        between_frames();
+      }
+    }
+    return tell_.described();
+  }
+
+  Described reply(std::span<const PacketId> packets) {
+    std::size_t all = 0;
+    for (const PacketId id : packets) all += packet(id).size;
+    for (const PacketId id : packets) {
+      if (bytes_.size() - at_ >= packet(id).size) {
+        values(packet(id));
+      } else {
+        part_of_packet(packet(id));
+      }
+    }
+    if (bytes_.size() < all) tell_.tell_missing(all - bytes_.size());
+    if (at_ < bytes_.size()) {
+      tell_.words().put("more than the reply");
+      tell_.tell(Kind::stray, at_, bytes_.size() - at_, false);
+    }
+    return tell_.described();
+  }
+
+ private:
+  // Bytes of a frame at the beginning of these; 0 where there is none. One with a wrong checksum
+  // counts unless a right one begins inside it.
+  static std::size_t whole_frame(Bytes bytes) {
+    const std::size_t length = well_formed(bytes);
+    if (length == 0 || checksum_matches(bytes.first(length), Checksum::automatic)) return length;
+    for (std::size_t begin = 1; begin < length; ++begin) {
+      const Bytes inside = bytes.subspan(begin);
+      const std::size_t other = well_formed(inside);
+      if (other != 0 && checksum_matches(inside.first(other), Checksum::automatic)) return 0;
+    }
+    return length;
+  }
+  static std::size_t well_formed(Bytes bytes) {
+    if (bytes.size() < kMinFrameBytes || bytes[0] != kFrameHeader) return 0;
+    const std::size_t length = bytes[1] + kFrameOverhead;
+    if (bytes.size() < length) return 0;
+    return is_well_formed(bytes.first(length), item_sizes(Extensions::off)) ? length : 0;
+  }
+
+  // How many bytes are missing where these can be the beginning of a frame; 0 where not, or where a
+  // whole frame is inside.
+  static std::size_t needed_for_frame(Bytes bytes) {
+    if (bytes[0] != kFrameHeader) return 0;
+    if (bytes.size() == 1) return kMinFrameBytes - 1;
+    const std::size_t length = bytes[1] + kFrameOverhead;
+    if (length < kMinFrameBytes || bytes.size() >= length) return 0;
+    for (std::size_t at = 2; at + 1 < length && at < bytes.size();) {
+      const std::size_t size = item_sizes(Extensions::off)[bytes[at]];
+      if (size == 0 || at + size + 1 > length) return 0;
+      at += size;
+    }
+    for (std::size_t begin = 1; begin < bytes.size(); ++begin) {
+      if (well_formed(bytes.subspan(begin)) != 0) return 0;
+    }
+    return length - bytes.size();
+  }
+
+  void header_and_length() {
+    tell_.words().put("header of a stream frame (OI p. 14)");
+    tell_.tell(Kind::header, at_++, 1);
+    if (at_ == bytes_.size()) return;
+    TextWriter& out = tell_.words();
+    out.put_number(bytes_[at_]);
+    out.put(" bytes up to the checksum");
+    tell_.tell(Kind::length, at_++, 1);
+  }
+
+  void packet_id() {
+    const PacketInfo& info = *find_packet(bytes_[at_]);
+    TextWriter& out = tell_.words();
+    out.put("packet ");
+    out.put_number(info.id);
+    out.put(" ");
+    out.put(info.name);
+    tell_.tell(Kind::packet, at_++, 1);
+  }
+
+  void frame(Bytes frame) {
+    const std::size_t checksum_at = at_ + frame.size() - 1;
+    header_and_length();
+    while (at_ < checksum_at) {
+      const PacketInfo& info = *find_packet(bytes_[at_]);
+      packet_id();
+      values(info);
+    }
+    checksum(frame);
+  }
+
+  void checksum(Bytes frame) {
+    TextWriter& out = tell_.words();
+    const bool including = checksum_matches(frame, Checksum::including_header);
+    const bool excluding = checksum_matches(frame, Checksum::excluding_header);
+    if (including) {
+      out.put("checksum, right with the header counted in, as robots send it");
+    } else if (excluding) {
+      out.put("checksum, right without the header, as the manual has it");
+    } else {
+      const Bytes summed = frame.first(frame.size() - 1);
+      out.put("wrong checksum: ");
+      out.put_hex(checksum_of(summed, Checksum::including_header));
+      out.put(" would be right with the header counted in, ");
+      out.put_hex(checksum_of(summed, Checksum::excluding_header));
+      out.put(" without");
+    }
+    tell_.tell(Kind::checksum, at_++, 1, including || excluding);
+  }
+
+  // All bytes of the packet are there.
+  void values(const PacketInfo& info) {
+    for (std::uint8_t id = info.first; id <= info.last; ++id) {
+      const PacketInfo& single = *find_packet(id);
+      const std::int32_t value = detail::read_value(single, bytes_.subspan(at_));
+      TextWriter& out = tell_.words();
+      out.put(single.key);
+      out.put(" ");
+      write_sensor_value(out, PacketId{id}, value);
+      if (value < single.min || value > single.max) {
+        out.put(", outside the manual's ");
+        out.put_number(single.min);
+        out.put(" to ");
+        out.put_number(single.max);
+      }
+      tell_.tell(Kind::value, at_, single.size);  // a robot may say so: it is delivered
+      at_ += single.size;
+    }
+  }
+
+  // What is there of it.
+  void part_of_packet(const PacketInfo& info) {
+    for (std::uint8_t id = info.first; id <= info.last && at_ < bytes_.size(); ++id) {
+      const PacketInfo& single = *find_packet(id);
+      if (bytes_.size() - at_ >= single.size) {
+        values(single);
+        continue;
+      }
+      tell_.words().put(single.key);
+      tell_.tell(Kind::value, at_, bytes_.size() - at_);
+      at_ = bytes_.size();
+    }
+  }
+
+  Described cut_short(std::size_t needed) {
+    header_and_length();
+    while (at_ < bytes_.size()) {
+      const PacketInfo& info = *find_packet(bytes_[at_]);
+      packet_id();
+      if (bytes_.size() - at_ >= info.size) {
+        values(info);
+      } else {
+        part_of_packet(info);
+      }
+    }
+    tell_.tell_missing(needed);
+    return tell_.described();
+  }
+
+  // Text, a line at a time, or a run of anything else up to where text or a frame begins.
+  void between_frames() {
+    const std::size_t begin = at_;
+    if (const std::size_t length = text_length(); length != 0) {
+      write_printed(tell_.words(), bytes_.subspan(begin, length));
+      at_ += length;
+      return tell_.tell(Kind::printed, begin, length);
+    }
+    do {
+      ++at_;
+    } while (at_ < bytes_.size() && text_length() == 0 && !frame_begins());
+    tell_.words().put("in no frame");
+    tell_.tell(Kind::stray, begin, at_ - begin, false);
+  }
+  // Of the line of text that begins here; 0 where it is too short to be meant.
+  std::size_t text_length() const {
+    constexpr std::size_t kLeast = 4;
+    constexpr std::size_t kMost = 100;
+    const Bytes rest = bytes_.subspan(at_);
+    std::size_t length = 0;
+    while (length < rest.size() && length < kMost && is_text(rest[length])) {
+      const bool line_ended = length > 0 && rest[length - 1] == '\n';
+      if (line_ended && rest[length] != '\n' && rest[length] != '\r') break;
+      ++length;
+    }
+    return length < kLeast ? 0 : length;
+  }
+  bool frame_begins() const {
+    const Bytes rest = bytes_.subspan(at_);
+    return rest[0] == kFrameHeader && (whole_frame(rest) != 0 || needed_for_frame(rest) != 0);
+  }
+  static void write_printed(TextWriter& out, Bytes text) {
+    out.put("text '");
+    for (const std::uint8_t byte : text) {
+      const char c = static_cast<char>(byte);
+      out.put(c == '\r' ? "\\r" : c == '\n' ? "\\n" : std::string_view{&c, 1});
+    }
+    out.put("'");
+  }
+
+  Bytes bytes_;
+  Annotator tell_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+void write_sensor_value(TextWriter& out, PacketId packet, std::int32_t value) {
+  out.put_number(value);
+  const std::string_view code = code_name(packet, value);
+  if (!code.empty()) {
+    out.put(" (");
+    out.put(code);
+    return out.put(")");
+  }
+  if (!bit_name(packet, 0).empty()) {
+    out.put(" ");
+    return write_bits(out, packet, value);
+  }
+  const std::string_view unit = symbol(oi::packet(packet).unit);
+  if (unit.empty()) return;
+  out.put(" ");
+  out.put(unit);
+}
+
+Described describe_stream(std::span<const std::uint8_t> bytes, AnnotationSink sink) {
+  return StreamDescriber{bytes, sink}.stream();
+}
+
+Described describe_reply(std::span<const PacketId> packets, std::span<const std::uint8_t> bytes,
+                         AnnotationSink sink) {
+  return StreamDescriber{bytes, sink}.reply(packets);
+}
+
+}  // namespace cargobay::oi

@@ -1,0 +1,17 @@
+#include "oi/text/packet_name.hpp"
+
+#include "oi/packet_table.hpp"
+#include "oi/text/text_number.hpp"
+
+namespace cargobay::oi {
+
+std::optional<std::uint8_t> find_packet(std::string_view key_or_number) {
+  for (const PacketInfo& info : kPackets) {
+    if (info.key == key_or_number) return info.id;
+  }
+  const std::optional<std::int32_t> number = parse_integer(key_or_number);
+  if (!number || *number < 0 || *number > kLastPacket) return std::nullopt;
+  return static_cast<std::uint8_t>(*number);
+}
+
+}  // namespace cargobay::oi

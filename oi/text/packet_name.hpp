@@ -1,0 +1,14 @@
+// Sensor packets as people type them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace cargobay::oi {
+
+// The packet with this key or number (decimal, or hexadecimal after 0x); nothing if no packet has
+// it.
+std::optional<std::uint8_t> find_packet(std::string_view key_or_number);
+
+}  // namespace cargobay::oi

@@ -1,0 +1,194 @@
+#include "hal/config/config.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hal/config/settings.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string complaint(std::string_view text) {
+  Config config;
+  const auto failure = read_config(text, "my.toml", config);
+  EXPECT_TRUE(failure) << text;
+  if (!failure) return "";
+  EXPECT_EQ(failure->message.find('\n'), std::string::npos) << failure->message;
+  return failure->message;
+}
+
+TEST(ConfigFile, HoldsPortPinsRobotAndRealtime) {
+  Config config;
+  const auto failure = read_config(R"(
+port = "/dev/serial0"
+baud = 19200
+[pins.brc]
+chip = "pinctrl-bcm2835"
+line = 17
+active_low = true
+[pins.power]
+line = "GPIO27"
+open_drain = true
+bias = "pull_up"
+[pins.power_sense]
+line = 22
+[robot]
+distance_scale = 1.02
+turn_scale = 0.98
+wheel_base_mm = 260
+lag_s = 0.12
+acceleration_mm_s2 = 800
+jerk_mm_s3 = 4000
+remainder = "lost"
+[realtime]
+priority = 70
+cpu = 3
+require = true
+)",
+                                   "my.toml", config);
+  ASSERT_FALSE(failure) << failure->message;
+  EXPECT_EQ(config.port, "/dev/serial0");
+  EXPECT_EQ(config.baud, 19200U);
+  EXPECT_EQ(config.pins.brc.address.chip, "pinctrl-bcm2835");
+  EXPECT_EQ(config.pins.brc.address.line, "17");
+  EXPECT_EQ(config.pins.brc.polarity, gpio::Polarity::inverted);
+  EXPECT_EQ(config.pins.power_toggle.address.line, "GPIO27");
+  EXPECT_EQ(config.pins.power_toggle.drive, gpio::Drive::open_drain);
+  EXPECT_EQ(config.pins.power_toggle.bias, gpio::Bias::pull_up);
+  EXPECT_TRUE(config.pins.power_sense.wired());
+  EXPECT_FALSE(config.pins.charging.wired());
+  EXPECT_EQ(config.priority, 70);
+  EXPECT_EQ(config.cpu, 3);
+  EXPECT_TRUE(config.require_realtime);
+  ControlCycle::Parameters parameters;
+  apply(config, parameters);
+  EXPECT_EQ(parameters.loop.estimator.wheel_base_mm, 260.0);
+  EXPECT_EQ(parameters.loop.estimator.lag_s, 0.12);
+  EXPECT_EQ(parameters.loop.controller.lag_s, 0.12);
+  EXPECT_EQ(parameters.odometry.distance_scale, 1.02);
+  EXPECT_EQ(parameters.odometry.turn_scale, 0.98);
+  EXPECT_EQ(parameters.loop.estimator.remainder, rt::Remainder::lost);
+  EXPECT_EQ(parameters.loop.limits.acceleration_mm_s2, 800.0);
+  EXPECT_EQ(parameters.loop.limits.jerk_mm_s3, 4000.0);
+}
+
+TEST(ConfigFile, LeavesWhatItDoesNotSay) {
+  Config config;
+  ASSERT_FALSE(read_config("port = 'first'\nbaud = 19200", "a", config));
+  ASSERT_FALSE(read_config("port = 'second'", "b", config));
+  EXPECT_EQ(config.port, "second");
+  EXPECT_EQ(config.baud, 19200U);
+}
+
+TEST(ConfigFile, NamesLineAndNearestKey) {
+  EXPECT_THAT(complaint("port = 'x'\nbuad = 19200"),
+              AllOf(StartsWith("my.toml:2: "), HasSubstr("buad"), HasSubstr("did you mean baud?")));
+  EXPECT_THAT(complaint("\n\n[pins.brc]\nactive-low = true"),
+              AllOf(StartsWith("my.toml:4: "), HasSubstr("did you mean active_low?")));
+  EXPECT_THAT(complaint("[pins.br]\nline = 1"), HasSubstr("did you mean brc?"));
+}
+
+TEST(ConfigFile, ListsTheKeysWhereNoneIsNear) {
+  EXPECT_THAT(complaint("[realtime]\nquickly = true"), HasSubstr("priority, cpu, require"));
+}
+
+TEST(ConfigFile, SaysWhatAValueIs) {
+  EXPECT_THAT(complaint("baud = 12345"), HasSubstr("my.toml:1: baud is a rate of the robot's"));
+  complaint("baud = '19200'");
+  complaint("baud = -1");
+  complaint("baud = 4295024896");  // 57600 beyond 32 bits
+  EXPECT_THAT(complaint("port = 1"), HasSubstr("text in quotes"));
+  EXPECT_THAT(complaint("pins = 1"), HasSubstr("table"));
+  EXPECT_THAT(complaint("[pins.brc]\nline = -1"), HasSubstr("my.toml:2: line is"));
+  complaint("[pins.brc]\nline = ''");
+  complaint("[pins.brc]\nactive_low = 1");
+  complaint("[pins.brc]\nbias = 'up'");
+  complaint("[pins.power_sense]\nopen_drain = true");
+  complaint("[robot]\nwheel_base_mm = 0");
+  complaint("[robot]\nlag_s = nan");
+  complaint("[robot]\njerk_mm_s3 = -1");
+  complaint("[robot]\nremainder = 'kept'");
+  EXPECT_THAT(complaint("[realtime]\npriority = 99"), HasSubstr("from 1 to 98"));
+}
+
+// What is in another unit, or no more than a number; and the ends of what is taken.
+TEST(ConfigFile, RefusesWhatNoRobotIs) {
+  struct Row {
+    std::string key{};
+    Range range{};
+    std::string unit{};
+  };
+  const std::vector<Row> rows{{"wheel_base_mm", kWheelBaseMm, "mm, not metres"},
+                              {"distance_scale", kScale, "1 where"},
+                              {"turn_scale", kScale, "1 where"},
+                              {"lag_s", kLagS, "in seconds, not ms"},
+                              {"acceleration_mm_s2", kAccelerationMmS2, "in mm/s^2, not m/s^2"},
+                              {"jerk_mm_s3", kJerkMmS3, "in mm/s^3, not m/s^3"}};
+  for (const Row& row : rows) {
+    const auto line = [&row](double value) {
+      std::ostringstream text;
+      text.precision(17);
+      text << "[robot]\n" << row.key << " = " << std::showpoint << value;
+      return text.str();
+    };
+    const auto refused = AllOf(StartsWith("my.toml:2: " + row.key + " is a number from "),
+                               HasSubstr(row.range.words()), HasSubstr(row.unit));
+    for (const double value :
+         {1e-300, 1e300, 0.0, -1.0, row.range.least * 0.999, row.range.most * 1.001})
+      EXPECT_THAT(complaint(line(value)), refused) << value;
+    EXPECT_THAT(complaint("[robot]\n" + row.key + " = nan"), refused);
+    EXPECT_THAT(complaint("[robot]\n" + row.key + " = inf"), refused);
+    for (const double value : {row.range.least, row.range.most}) {
+      Config config;
+      EXPECT_FALSE(read_config(line(value), "my.toml", config)) << line(value);
+    }
+  }
+  complaint("[robot]\nwheel_base_mm = 0.26");  // metres
+  complaint("[robot]\ndistance_scale = 0.01");
+  for (const char* text : {"priority = 0", "priority = 99", "priority = 9223372036854775807",
+                           "cpu = -1", "cpu = 1024"})
+    complaint(std::string{"[realtime]\n"} + text);
+}
+
+TEST(ConfigFile, SaysWhereItIsNoToml) {
+  EXPECT_THAT(complaint("port = 'x'\nbaud ="), HasSubstr("my.toml:2: no TOML"));
+}
+
+TEST(ConfigFile, SaysThatItCannotBeRead) {
+  for (const char* file : {"/no/such/file.toml", "/tmp"}) {
+    const auto config = load_config(file);
+    ASSERT_FALSE(config) << file;
+    EXPECT_THAT(config.failure().message, HasSubstr(file));
+  }
+}
+
+TEST(ConfigFile, IsWhatTheWiringPageShows) {
+  std::ifstream file{CARGOBAY_SOURCE_DIR "/docs/wiring.md"};
+  const std::string page{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
+  const std::string begin = "```toml\n";
+  const std::size_t at = page.find(begin);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t from = at + begin.size();
+  Config config;
+  const auto failure =
+      read_config(page.substr(from, page.find("```", from) - from), "docs/wiring.md", config);
+  ASSERT_FALSE(failure) << failure->message;
+  EXPECT_TRUE(config.pins.brc.wired());
+  EXPECT_EQ(config.pins.brc.polarity, gpio::Polarity::inverted);
+  EXPECT_EQ(config.pins.power_toggle.polarity, gpio::Polarity::direct);
+}
+
+TEST(ConfigFile, MayBeEmpty) { EXPECT_TRUE(load_config("/dev/null")); }
+
+}  // namespace
+}  // namespace cargobay::hal

@@ -1,0 +1,288 @@
+#include "hal/sim/world/world.hpp"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hal/sim/world/world_drawing.hpp"
+#include "tests/sim/robot.hpp"
+
+namespace cargobay::hal::sim {
+namespace {
+
+using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
+
+World world_of(std::string_view text) {
+  Result<World> world = World::parse(text);
+  EXPECT_TRUE(world) << (world ? "" : world.failure().message);
+  return world ? *world : World{};
+}
+
+Pose at(double x_mm, double y_mm, double heading_deg) {
+  return {x_mm, y_mm, heading_deg * std::numbers::pi / 180.0};
+}
+
+Inputs seen_from(const World& world, const Pose& pose) {
+  Inputs inputs;
+  world.sense(pose, inputs);
+  return inputs;
+}
+
+TEST(World, ReadsEachKindOfThing) {
+  const World world = world_of(
+      "# all of them\n"
+      "wall 0 0 1000 0\n"
+      "box 1 2 3 4   # with a comment\n"
+      "\n"
+      "  post -1.5 2e3 40\r\n"
+      "cliff 0 0 10 10\n"
+      "virtual-wall 1 2 90\n"
+      "home-base 3 4 180\n"
+      "start 5 6 90");
+  EXPECT_EQ(world.walls.size(), 1U);
+  EXPECT_EQ(world.boxes.at(0).height_mm, 4.0);
+  EXPECT_EQ(world.posts.at(0).centre.y_mm, 2000.0);
+  EXPECT_EQ(world.cliffs.size(), 1U);
+  EXPECT_EQ(world.virtual_walls.at(0).heading_deg, 90.0);
+  EXPECT_EQ(world.home_base->heading_deg, 180.0);
+  EXPECT_NEAR(world.start.heading_rad, std::numbers::pi / 2.0, 1e-12);
+}
+
+TEST(World, NamesTheLineItCannotRead) {
+  for (const char* bad : {"wall 0 0 1000", "wall 0 0 1000 0 0", "post a 0 1", "hole 1 2 3 4",
+                          "start 1 2 inf", "box 1 2 3 4x"}) {
+    const Result<World> world = World::parse(std::string{"# first\n"} + bad + "\nwall 0 0 1 1\n");
+    ASSERT_FALSE(world) << bad;
+    EXPECT_EQ(world.failure().message.substr(0, 8), "line 2: ") << world.failure().message;
+  }
+}
+
+TEST(World, SaysWhichFileItCannotRead) {
+  for (const char* path : {"/nowhere/at.all", "/"}) {
+    const Result<World> world = World::load(path);
+    ASSERT_FALSE(world) << path;
+    EXPECT_NE(world.failure().message.find(path), std::string::npos);
+  }
+}
+
+TEST(World, LoadsTheWorldsThatAreShipped) {
+  std::size_t worlds = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator{CARGOBAY_SOURCE_DIR "/examples/worlds"}) {
+    const Result<World> world = World::load(entry.path());
+    ASSERT_TRUE(world) << world.failure().message;
+    EXPECT_FALSE(world->collide(world->start)) << "the robot begins free";
+    ++worlds;
+  }
+  EXPECT_GE(worlds, 2U);
+}
+
+TEST(World, HoldsTheRobotAtAWall) {
+  const World world = world_of("wall 1000 -1000 1000 1000\nstart 0 0 0\n");
+  Robot robot{ideal_wheels()};
+  inhabit(robot.device, world);
+  robot.send({128, 132, 145, 1, 44, 1, 44});
+  robot.wait(5s);
+  EXPECT_NEAR(robot.device.truth().pose.x_mm, 1000.0 - 165.0, 5.0);
+  EXPECT_EQ(robot.ask({142, 7}), (Bytes{0b11}));
+  EXPECT_GT(word(robot.ask({142, 19}), 0), 1400) << "the encoders count the slip";
+  robot.send({145, 0xff, 0x38, 0xff, 0x38});
+  robot.wait(200ms);
+  EXPECT_EQ(robot.ask({142, 7}), (Bytes{0}));
+}
+
+TEST(World, BumpsTheSideThatTouches) {
+  const World world = world_of("post 300 0 50\n");
+  const auto bumps = [&world](double heading_deg) {
+    const auto contact = world.collide(at(100, 0, heading_deg));
+    return std::pair{contact && contact->left, contact && contact->right};
+  };
+  EXPECT_EQ(bumps(0), (std::pair{true, true}));
+  EXPECT_EQ(bumps(-45), (std::pair{true, false})) << "the post is to the left";
+  EXPECT_EQ(bumps(45), (std::pair{false, true}));
+  EXPECT_EQ(bumps(180), (std::pair{false, false})) << "there is no bumper behind";
+  EXPECT_TRUE(world.collide(at(100, 0, 180))) << "but it is held";
+}
+
+TEST(World, HoldsTheRobotInACorner) {
+  const World world = world_of("wall 0 0 1000 0\nwall 0 0 0 1000\n");
+  const auto contact = world.collide(at(100, 100, 225));
+  ASSERT_TRUE(contact);
+  EXPECT_NEAR(contact->centre.x_mm, 165.0, 1e-6);
+  EXPECT_NEAR(contact->centre.y_mm, 165.0, 1e-6);
+}
+
+TEST(World, SlidesAlongAWall) {
+  const World world = world_of("wall -5000 165 5000 165\n");
+  Robot robot{ideal_wheels()};
+  inhabit(robot.device, world);
+  robot.device.place(at(0, 0, 20));
+  robot.send({128, 132, 145, 0, 200, 0, 200});
+  robot.wait(5s);
+  EXPECT_NEAR(robot.device.truth().pose.x_mm, 1000.0 * std::cos(20.0 * std::numbers::pi / 180.0),
+              10.0);
+  EXPECT_NEAR(robot.device.truth().pose.y_mm, 0.0, 2.0);
+}
+
+TEST(World, ShowsACliffToTheSensorsAboveIt) {
+  const World world = world_of("cliff 0 -5000 5000 10000\n");
+  Inputs inputs = seen_from(world, at(-145, 0, 0));
+  EXPECT_FALSE(inputs.cliff_left.cliff);
+  EXPECT_FALSE(inputs.any_cliff());
+  inputs = seen_from(world, at(-140, 0, 0));
+  EXPECT_TRUE(inputs.cliff_front_left.cliff);
+  EXPECT_TRUE(inputs.cliff_front_right.cliff);
+  EXPECT_FALSE(inputs.cliff_left.cliff);
+  EXPECT_LT(inputs.cliff_front_left.signal, 100);
+  EXPECT_GT(inputs.cliff_left.signal, 1000);
+  EXPECT_FALSE(inputs.any_wheel_drop());
+  inputs = seen_from(world, at(10, 0, 0));
+  EXPECT_TRUE(inputs.wheel_drop_left);
+  EXPECT_TRUE(inputs.wheel_drop_caster);
+}
+
+TEST(World, StopsASafeRobotAtACliff) {
+  const World world = world_of("cliff 1000 -5000 5000 10000\n");
+  Robot robot{ideal_wheels()};
+  inhabit(robot.device, world);
+  robot.send({128, 131, 145, 1, 244, 1, 244});
+  robot.wait(5s);
+  EXPECT_EQ(robot.device.mode(), oi::Mode::passive);
+  EXPECT_EQ(robot.device.last_hazard(), Hazard::cliff);
+  EXPECT_LT(robot.device.truth().pose.x_mm, 900.0);
+}
+
+TEST(World, ShowsAWallToTheSensorAtTheRight) {
+  const World world = world_of("wall -5000 -200 5000 -200\n");
+  EXPECT_TRUE(seen_from(world, at(0, 0, 0)).wall);
+  const std::uint16_t near = seen_from(world, at(0, -25, 0)).wall_signal;
+  const std::uint16_t far = seen_from(world, at(0, 0, 0)).wall_signal;
+  EXPECT_GT(near, far);
+  EXPECT_GT(far, 0);
+  EXPECT_FALSE(seen_from(world, at(0, 0, 180)).wall) << "it is to the left";
+  EXPECT_EQ(seen_from(world, at(0, 200, 0)).wall_signal, 0);
+}
+
+TEST(World, ShowsAVirtualWallInItsBeamAndNotBehindAWall) {
+  const World world = world_of("virtual-wall 0 0 0\n");
+  EXPECT_TRUE(seen_from(world, at(1000, 0, 0)).virtual_wall);
+  EXPECT_TRUE(seen_from(world, at(1000, 100, 0)).virtual_wall);
+  EXPECT_FALSE(seen_from(world, at(1000, 400, 0)).virtual_wall);
+  EXPECT_FALSE(seen_from(world, at(-1000, 0, 0)).virtual_wall);
+  EXPECT_FALSE(seen_from(world, at(3000, 0, 0)).virtual_wall);
+  const World walled = world_of("virtual-wall 0 0 0\nwall 500 -500 500 500\n");
+  EXPECT_FALSE(seen_from(walled, at(1000, 0, 0)).virtual_wall);
+}
+
+TEST(World, ShowsTheHomeBasesBuoysAndField) {
+  const World world = world_of("home-base 0 0 90\n");
+  EXPECT_EQ(seen_from(world, at(0, 1200, 0)).infrared, 252) << "both";
+  EXPECT_EQ(seen_from(world, at(-500, 1200, 0)).infrared, 248) << "red is to its left";
+  EXPECT_EQ(seen_from(world, at(500, 1200, 0)).infrared, 244);
+  EXPECT_EQ(seen_from(world, at(0, 500, 0)).infrared, 254);
+  EXPECT_EQ(seen_from(world, at(0, -300, 0)).infrared, 242);
+  EXPECT_EQ(seen_from(world, at(0, 3000, 0)).infrared, 255);
+  EXPECT_TRUE(seen_from(world, at(0, 500, 0)).virtual_wall) << "the force field trips it";
+}
+
+TEST(World, DocksTheRobotThatFacesTheBase) {
+  const World world = world_of("home-base 0 0 90\n");
+  EXPECT_TRUE(seen_from(world, at(0, 180, 270)).home_base);
+  EXPECT_FALSE(seen_from(world, at(0, 180, 90)).home_base);
+  EXPECT_FALSE(seen_from(world, at(0, 300, 270)).home_base);
+}
+
+TEST(World, LetsTheDockDemoDock) {
+  const World world = world_of(
+      "wall -1500 0 1500 0\nwall 1500 0 1500 3000\nwall 1500 3000 -1500 3000\n"
+      "wall -1500 3000 -1500 0\nhome-base 0 20 90\nstart 300 1400 270\n");
+  Robot robot;
+  inhabit(robot.device, world);
+  robot.send({128, 143});
+  for (int i = 0; i < 600 && !robot.device.battery().charging(); ++i) robot.wait(100ms);
+  EXPECT_TRUE(robot.device.battery().charging());
+  EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
+}
+
+TEST(World, KeepsACoveringRobotInTheRoomAndOffTheStairs) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/room.world");
+  ASSERT_TRUE(world);
+  Robot robot;
+  inhabit(robot.device, *world);
+  robot.send({128, 135});
+  for (int i = 0; i < 3000; ++i) {
+    robot.wait(100ms);
+    const Pose pose = robot.device.truth().pose;
+    ASSERT_GT(pose.x_mm, 0.0);
+    ASSERT_LT(pose.x_mm, 4000.0);
+    ASSERT_GT(pose.y_mm, 0.0);
+    ASSERT_LT(pose.y_mm, 3000.0);
+  }
+  EXPECT_TRUE(robot.device.demos().running());
+}
+
+TEST(World, LetsARobotDockInTheShippedRoom) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/room.world");
+  ASSERT_TRUE(world);
+  Robot robot;
+  inhabit(robot.device, *world);
+  robot.send({128, 143});
+  for (int i = 0; i < 6000 && !robot.device.battery().charging(); ++i) robot.wait(100ms);
+  EXPECT_TRUE(robot.device.battery().charging());
+}
+
+TEST(World, KeepsASafeRobotOnTheShippedTable) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/table.world");
+  ASSERT_TRUE(world);
+  for (int heading_deg = 0; heading_deg < 360; heading_deg += 15) {
+    Robot robot;
+    inhabit(robot.device, *world);
+    robot.device.place(at(800, 500, heading_deg));
+    robot.send({128, 131, 137, 1, 44, 0x80, 0});
+    robot.wait(8s);
+    const Pose pose = robot.device.truth().pose;
+    EXPECT_EQ(robot.device.mode(), oi::Mode::passive) << heading_deg;
+    EXPECT_TRUE(robot.device.last_hazard()) << heading_deg;
+    EXPECT_LT(std::abs(pose.x_mm - 800.0), 800.0) << heading_deg;
+    EXPECT_LT(std::abs(pose.y_mm - 500.0), 500.0) << heading_deg;
+  }
+}
+
+TEST(World, CannotKeepARobotInFullOnTheTable) {
+  const Result<World> world = World::load(CARGOBAY_SOURCE_DIR "/examples/worlds/table.world");
+  ASSERT_TRUE(world);
+  Robot robot;
+  inhabit(robot.device, *world);
+  robot.send({128, 132, 137, 1, 44, 0x80, 0});
+  robot.wait(8s);
+  EXPECT_EQ(robot.device.mode(), oi::Mode::full);
+  EXPECT_GT(robot.device.truth().pose.x_mm, 1600.0);
+}
+
+TEST(World, IsDrawnWithoutAPathToo) {
+  const std::string drawing = draw(world_of("wall 0 0 1000 0\n"), {});
+  EXPECT_EQ(drawing.substr(0, 5), "<svg ");
+  EXPECT_EQ(drawing.substr(drawing.size() - 7), "</svg>\n");
+  EXPECT_NE(drawing.find("class='wall'"), std::string::npos);
+  EXPECT_EQ(drawing.find("class='path'"), std::string::npos);
+}
+
+TEST(World, IsDrawnWithThePathItsBumpsAndItsLeaps) {
+  const std::array<Waypoint, 4> path{{{.pose = at(0, 0, 0)},
+                                      {.pose = at(100, 0, 0), .bumped = true},
+                                      {.pose = at(500, 500, 0), .placed = true},
+                                      {.pose = at(500, 600, 90)}}};
+  const std::string drawing = draw(World{}, path);
+  EXPECT_NE(drawing.find("<path class='path' d='M0 0 100 0M500 -500 500 -600'/>"),
+            std::string::npos)
+      << drawing;
+  EXPECT_NE(drawing.find("<circle class='bump' cx='100' cy='0'"), std::string::npos);
+  EXPECT_NE(drawing.find("<circle class='robot' cx='500' cy='-600'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cargobay::hal::sim
