@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Core>
+
 namespace cargobay::rt {
 namespace {
 
@@ -19,6 +21,9 @@ double normal_between(double a, double b) noexcept CARGOBAY_NONBLOCKING {
   if (a > 0.0) return normal_between(-b, -a);
   return 0.5 * (std::erfc(-b / std::numbers::sqrt2) - std::erfc(-a / std::numbers::sqrt2));
 }
+
+using State = Eigen::Map<Eigen::Vector3d>;
+using Covariance = Eigen::Map<Eigen::Matrix3d>;
 
 struct Moments {
   double mean;
@@ -65,12 +70,13 @@ AxisFilter::AxisFilter(const Parameters& parameters)
 }
 
 void AxisFilter::reset() noexcept CARGOBAY_NONBLOCKING {
-  state_.setZero();
+  state_ = {};
   read_mm_ = 0.0;
   forgotten_ = 0.0;
-  covariance_.setZero();
-  covariance_(kPosition, kPosition) = parameters_.step_mm * parameters_.step_mm / 3.0;
-  covariance_(kDisturbance, kDisturbance) = kInitialDisturbanceSd * kInitialDisturbanceSd;
+  covariance_ = {};
+  Covariance covariance{covariance_.data()};
+  covariance(kPosition, kPosition) = parameters_.step_mm * parameters_.step_mm / 3.0;
+  covariance(kDisturbance, kDisturbance) = kInitialDisturbanceSd * kInitialDisturbanceSd;
 }
 
 void AxisFilter::predict(double command_mm_s, double disturbance_sd_mm_s,
@@ -96,7 +102,7 @@ void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
   state_[kPosition] += position_by_speed * speed + position_by_input * input;
   state_[kSpeed] = speed_by_speed * speed + speed_by_input * input;
 
-  Eigen::Matrix3d& p = covariance_;
+  Covariance p{covariance_.data()};
   const double speed_speed = p(kSpeed, kSpeed);
   const double speed_input = p(kSpeed, kDisturbance);
   const double input_input = p(kDisturbance, kDisturbance);
@@ -128,12 +134,14 @@ double AxisFilter::read(int count, Remainder remainder) noexcept CARGOBAY_NONBLO
   const double low = (count > 0 ? count : count - 1) * step;
   const double high = (count < 0 ? count : count + 1) * step;
   const double noise = parameters_.counter_noise_mm;
-  const double variance = covariance_(kPosition, kPosition) + noise * noise;
+  State state{state_.data()};
+  Covariance covariance{covariance_.data()};
+  const double variance = covariance(kPosition, kPosition) + noise * noise;
   const Moments seen = truncate(state_[kPosition], variance, low, high);
 
-  const Eigen::Vector3d gain = covariance_.col(kPosition) / variance;
-  state_ += gain * (seen.mean - state_[kPosition]);
-  covariance_ -= gain * gain.transpose() * (variance - seen.variance);
+  const Eigen::Vector3d gain = covariance.col(kPosition) / variance;
+  state += gain * (seen.mean - state_[kPosition]);
+  covariance -= gain * gain.transpose() * (variance - seen.variance);
 
   if (remainder == Remainder::carried) {
     state_[kPosition] -= count * step;
@@ -155,11 +163,12 @@ void AxisFilter::read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING 
 
 void AxisFilter::forget_position(double variance) noexcept CARGOBAY_NONBLOCKING {
   read_mm_ += state_[kPosition];
-  forgotten_ += covariance_(kPosition, kPosition);
+  Covariance covariance{covariance_.data()};
+  forgotten_ += covariance(kPosition, kPosition);
   state_[kPosition] = 0.0;
-  covariance_.row(kPosition).setZero();
-  covariance_.col(kPosition).setZero();
-  covariance_(kPosition, kPosition) = variance;
+  covariance.row(kPosition).setZero();
+  covariance.col(kPosition).setZero();
+  covariance(kPosition, kPosition) = variance;
 }
 
 }  // namespace cargobay::rt

@@ -11,7 +11,8 @@
 // and tells hypotheses apart.
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
+#include <cstddef>
 
 #include "rt/nonblocking.hpp"
 
@@ -64,17 +65,18 @@ class AxisFilter {
   // the next reading will tell it does not.
   double forgotten_variance() const noexcept CARGOBAY_NONBLOCKING { return forgotten_; }
   double unread_variance() const noexcept CARGOBAY_NONBLOCKING {
-    return covariance_(kPosition, kPosition);
+    return covariance_[kPosition * kStates + kPosition];
   }
   double disturbance_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kDisturbance]; }
   double speed_variance() const noexcept CARGOBAY_NONBLOCKING {
-    return covariance_(kSpeed, kSpeed);
+    return covariance_[kSpeed * kStates + kSpeed];
   }
 
  private:
-  static constexpr Eigen::Index kPosition = 0;
-  static constexpr Eigen::Index kSpeed = 1;
-  static constexpr Eigen::Index kDisturbance = 2;
+  static constexpr std::size_t kPosition = 0;
+  static constexpr std::size_t kSpeed = 1;
+  static constexpr std::size_t kDisturbance = 2;
+  static constexpr std::size_t kStates = 3;
 
   // What a tick does to the state: the entries of its matrix that are not 0 or 1,
   //   1  position_by_speed  position_by_input
@@ -94,8 +96,9 @@ class AxisFilter {
   Parameters parameters_;
   Transition driven_;
   Transition coasting_;  // the same without the disturbance's part
-  Eigen::Vector3d state_;
-  Eigen::Matrix3d covariance_;
+  // A vector and a matrix to the source, where Eigen is: what includes this need not read it.
+  std::array<double, kStates> state_{};
+  std::array<double, kStates * kStates> covariance_{};
   double read_mm_ = 0.0;    // the way up to where state_'s position begins
   double forgotten_ = 0.0;  // mm^2
 };
