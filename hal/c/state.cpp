@@ -10,8 +10,8 @@
 #include "hal/c/robot_object.hpp"
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
-#include "hal/cycle/events.hpp"
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/events.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "oi/packet_table.hpp"
 
 namespace cargobay::c {

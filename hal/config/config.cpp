@@ -266,7 +266,7 @@ Result<Config> load_config(const std::string& file) {
   return config;
 }
 
-void apply(const Config& config, ControlCycle::Parameters& parameters) {
+void apply(const Config& config, CycleParameters& parameters) {
   rt::WheelLoop::Parameters& loop = parameters.loop;
   if (config.wheel_base_mm) {
     loop.estimator.wheel_base_mm = *config.wheel_base_mm;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hal/bring_up/open_pins.hpp"
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
 #include "hal/result.hpp"
 
 namespace cargobay::hal {
@@ -43,6 +43,6 @@ std::vector<std::string> config_files(const std::string& file);
 Result<Config> load_config(const std::string& file);
 
 // What the robot's parameters change of the loop's.
-void apply(const Config& config, ControlCycle::Parameters& parameters);
+void apply(const Config& config, CycleParameters& parameters);
 
 }  // namespace cargobay::hal

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/cycle/frame_lists.hpp"
 #include "hal/cycle/request.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "oi/command_table.hpp"
 #include "oi/encode.hpp"
 #include "oi/fixed_list.hpp"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "oi/limits.hpp"
 #include "rt/odometry.hpp"
 #include "rt/ring.hpp"

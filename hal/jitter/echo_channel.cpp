@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "hal/jitter/line_slice.hpp"
 #include "hal/port/pty_transport.hpp"
 #include "hal/sim/line/pty_port.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "oi/frame.hpp"
 #include "oi/sensors.hpp"
 

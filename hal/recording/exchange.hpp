@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording.hpp"
 #include "hal/stream/byte_stream.hpp"

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/recording/recording_format.hpp"
 #include "hal/stream/byte_stream.hpp"
 #include "oi/fixed_list.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_format.hpp"
 #include "hal/recording/recording_header.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
 #include "hal/result.hpp"
 
 namespace cargobay::hal {
@@ -18,7 +18,7 @@ struct RecordingHeader {
   std::int64_t started_ns = 0;  // since 1970 UTC
   std::string software{};       // that recorded it, with its version; up to 1000 bytes, as `note`
   std::string note{};           // what was driven, for people
-  ControlCycle::Parameters parameters{};
+  CycleParameters parameters{};
 };
 
 // As in hal/recording/recording_format.hpp. Longer texts are cut; control characters become

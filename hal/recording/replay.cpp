@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "hal/cycle/control_cycle.hpp"
 #include "hal/guard/guard_block.hpp"
 #include "hal/guard/guard_mark.hpp"
 #include "hal/stream/byte_stream.hpp"

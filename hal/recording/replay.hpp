@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/recording/recording.hpp"
 #include "hal/result.hpp"
 

@@ -18,7 +18,7 @@ std::string whole(double value) { return std::to_string(std::lround(value)); }
 
 }  // namespace
 
-void Calibration::prepare(ControlCycle::Parameters& parameters) {
+void Calibration::prepare(CycleParameters& parameters) {
   constexpr double kAtOnce = 1e6;  // mm/s^2: the step is the robot's to answer
   parameters.loop.feedback = rt::WheelLoop::Feedback::open;
   parameters.loop.limits = {.acceleration_mm_s2 = kAtOnce};

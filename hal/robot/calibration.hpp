@@ -14,7 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/result.hpp"
 #include "rt/wheel_estimator.hpp"
 #include "rt/wheel_speeds.hpp"
@@ -36,7 +37,7 @@ class Calibration {
   explicit Calibration(double speed_mm_s) : speed_mm_s_{speed_mm_s} {}
 
   // How the cycle is to be set up for it: open loop, steps of the command.
-  static void prepare(ControlCycle::Parameters& parameters);
+  static void prepare(CycleParameters& parameters);
   static double duration_s() noexcept CARGOBAY_NONBLOCKING;
 
   // What the wheels shall do; from the control thread.

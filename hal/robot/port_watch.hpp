@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "hal/cycle/events.hpp"
+#include "hal/sensing/events.hpp"
 
 namespace cargobay::hal {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "hal/cycle/mode_watch.hpp"
+#include "hal/sensing/mode_watch.hpp"
 #include "oi/checksum.hpp"
 #include "oi/frame.hpp"
 #include "oi/limits.hpp"

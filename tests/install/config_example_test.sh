@@ -12,8 +12,8 @@ complain() {
   failed=1
 }
 
-# As config.cpp names them: the first word in quotes of what makes a key.
-mapfile -t keys < <(tr '\n' ' ' < "$root/hal/config.cpp" |
+# As hal/config/config.cpp names them: the first word in quotes of what makes a key.
+mapfile -t keys < <(tr '\n' ' ' < "$root/hal/config/config.cpp" |
   grep -oE '(_key\(|table\(|\{)"[a-z_0-9]+",' | grep -oE '[a-z_0-9]+",$' | tr -d '",' | sort -u)
 ((${#keys[@]} >= 20)) || complain "found only ${#keys[@]} keys in hal/config/config.cpp"
 for key in "${keys[@]}"; do

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
-#include "hal/cycle/events.hpp"
+#include "hal/cycle/cycle_state.hpp"
+#include "hal/sensing/events.hpp"
 
 namespace cargobay::cli {
 

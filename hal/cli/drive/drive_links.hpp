@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "hal/cli/drive/drive_log.hpp"
-#include "hal/cycle/control_cycle.hpp"
-#include "hal/cycle/events.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/robot/robot.hpp"
+#include "hal/sensing/events.hpp"
 #include "hal/sim/line/server.hpp"
 #include "rt/clock.hpp"
 #include "rt/histogram.hpp"

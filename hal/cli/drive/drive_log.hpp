@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/sim/line/server.hpp"
 #include "rt/wheel_speeds.hpp"
 

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "hal/cli/drive/drive_log.hpp"
-#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/doctor/doctor.hpp"
 #include "rt/clock.hpp"
+#include "rt/histogram.hpp"
 #include "rt/realtime.hpp"
 
 namespace cargobay::cli {

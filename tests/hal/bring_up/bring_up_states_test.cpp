@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/bring_up/bring_up.hpp"
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/robot/device.hpp"
 #include "hal/sim/robot/pins.hpp"

@@ -1,4 +1,4 @@
-#include "hal/cycle/mode_watch.hpp"
+#include "hal/sensing/mode_watch.hpp"
 
 namespace cargobay::hal {
 

@@ -1,7 +1,7 @@
 // Battery, charger and overcurrents: what changes is told once.
 #pragma once
 
-#include "hal/cycle/events.hpp"
+#include "hal/sensing/events.hpp"
 #include "oi/fixed_list.hpp"
 #include "oi/sensors.hpp"
 #include "rt/nonblocking.hpp"

@@ -1,4 +1,4 @@
-#include "hal/cycle/hearing_watch.hpp"
+#include "hal/sensing/hearing_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::hal {

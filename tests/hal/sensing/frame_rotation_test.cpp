@@ -1,4 +1,4 @@
-#include "hal/cycle/frame_rotation.hpp"
+#include "hal/sensing/frame_rotation.hpp"
 
 #include <map>
 

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "oi/bit_set.hpp"
 #include "oi/commands.hpp"
+#include "oi/sensors.hpp"
 #include "oi/stream_budget.hpp"
+#include "rt/nonblocking.hpp"
 
 namespace cargobay::hal {
 
@@ -65,6 +68,20 @@ constexpr const oi::StreamList& packets(FrameList list) {
     case FrameList::outputs: return kOutputsList;
   }
   return kReadingList;
+}
+
+// The list that a frame with these values is of; nothing for any other frame of the same length.
+inline std::optional<FrameList> list_of(const oi::SensorValues& frame) noexcept
+    CARGOBAY_NONBLOCKING {
+  using enum oi::PacketId;
+  if (!frame.has(oi_mode)) return std::nullopt;
+  if (frame.has(distance) && frame.has(charging_sources)) return FrameList::reading;
+  if (frame.has(overcurrents)) return FrameList::hazards;
+  if (frame.has(battery_capacity)) return FrameList::battery;
+  if (frame.has(wall_signal)) return FrameList::signals_left;
+  if (frame.has(cliff_right_signal)) return FrameList::signals_right;
+  if (frame.has(requested_left_velocity)) return FrameList::outputs;
+  return std::nullopt;
 }
 
 // Those that are streamed on request only, in the order of FrameList.

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "hal/cycle/events.hpp"
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/events.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "oi/command_table.hpp"
 #include "oi/sensors.hpp"
 #include "rt/nonblocking.hpp"

@@ -3,7 +3,7 @@
 // one: the next reading covers both ticks, and nothing is lost.
 #pragma once
 
-#include "hal/cycle/frame_lists.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::hal {

@@ -1,4 +1,4 @@
-#include "hal/cycle/events.hpp"
+#include "hal/sensing/events.hpp"
 
 #include <array>
 #include <cstdio>

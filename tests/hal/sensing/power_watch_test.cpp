@@ -1,4 +1,4 @@
-#include "hal/cycle/power_watch.hpp"
+#include "hal/sensing/power_watch.hpp"
 
 #include <vector>
 

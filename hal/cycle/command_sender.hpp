@@ -1,0 +1,155 @@
+// What the cycle sends: Drive Direct, the next frame's list, one request of another thread, and the
+// zeros that complete a command which was cut in two. Two drive commands never meet in one tick of
+// the robot.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "hal/cycle/outgoing.hpp"
+#include "hal/cycle/request.hpp"
+#include "hal/cycle/tick_ledger.hpp"
+#include "hal/guard/guard_mark.hpp"
+#include "hal/sensing/frame_lists.hpp"
+#include "hal/sensing/frame_rotation.hpp"
+#include "hal/sensing/hearing_watch.hpp"
+#include "hal/stream/byte_stream.hpp"
+#include "oi/command_table.hpp"
+#include "rt/clock.hpp"
+#include "rt/nonblocking.hpp"
+#include "rt/wheel_speeds.hpp"
+
+namespace cargobay::hal {
+
+// abandon() from any thread, all else on the control thread. No allocation.
+class CommandSender {
+ public:
+  enum class Sent : std::uint8_t {
+    whole,
+    not_whole,  // the drive command is not, or the robot has only its beginning
+    withheld,
+    failed,  // port_error() says why
+  };
+  // When and for what a write is.
+  struct Moment {
+    rt::TimePoint now{};
+    rt::TimePoint woken{};     // when this pass of the cycle began
+    bool frames_read = false;  // in this pass, from the same port
+    oi::Mode mode = oi::Mode::off;
+    bool set_stands = true;  // nothing but standing is asked of the wheels
+  };
+  // Of the loop's own commands, as far as the robot may still wait for it where the line was cut:
+  // all of a Drive Direct but its opcode, all ids of a list.
+  static constexpr std::size_t kLongestOwnRest =
+      std::max(oi::kDriveDirectBytes - 1, kSignalsLeftList.size());
+  // Our own work takes microseconds; what takes longer was kept from the processor.
+  static constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
+
+  // `stream` outlives it and keeps its rate. A request must have arrived within `request_lasts`.
+  CommandSender(ByteStream& stream, rt::Duration tick, rt::Duration request_lasts);
+
+  void set_guard(const GuardMark& guard) { guard_ = guard; }
+  GuardMark& guard() noexcept CARGOBAY_NONBLOCKING { return guard_; }
+  // Nothing is written any more. What is being written at this moment still goes out.
+  void abandon() noexcept CARGOBAY_NONBLOCKING { abandoned_.store(true); }
+
+  // The list for the next tick's frame; `search`: the one that the cause of a lost mode is looked
+  // for in. Once a tick.
+  FrameList next_list(FrameRotation::Counters counters,
+                      std::optional<FrameList> search) noexcept CARGOBAY_NONBLOCKING;
+  FrameRotation& rotation() noexcept CARGOBAY_NONBLOCKING { return rotation_; }
+  // Of the ticks since the last frame one may have carried a reading; what never came is missed
+  // late, so the list that it was of may be an older one.
+  bool may_have_read(bool never_came) const noexcept CARGOBAY_NONBLOCKING {
+    return ticks_since_reads_ <= (never_came ? rt::TickClock::kPatience + 1 : 1);
+  }
+  // The frame that is here ends a window: those before it did not read the counters.
+  bool ends_window() const noexcept CARGOBAY_NONBLOCKING {
+    return list_ != FrameList::reading || former_list_ != FrameList::reading;
+  }
+
+  // What is seen of the robot's hearing: a good frame, one that is missing, a line that was dead.
+  void see(std::optional<FrameList> list) noexcept CARGOBAY_NONBLOCKING { hearing_.see(list); }
+  void see_missing() noexcept CARGOBAY_NONBLOCKING { hearing_.missed(); }
+  void doubt_hearing() noexcept CARGOBAY_NONBLOCKING { hearing_in_doubt_ = true; }
+
+  // Whether a command now would come too late to be true, after a long one, or might meet the last
+  // one in a tick.
+  bool must_withhold(rt::TimePoint now,
+                     const TickLedger& ledger) const noexcept CARGOBAY_NONBLOCKING;
+  // One write: the command and what else is due. `whole` means that this very command was.
+  Sent drive(const rt::WheelSpeeds& command, FrameList list,
+             const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+  // The same without a command for the wheels, of which the robot obeys none now; with the mode, if
+  // it is to be told.
+  Sent keep(FrameList list, std::optional<oi::Mode> mode,
+            const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+  // What the robot was last told to stream.
+  FrameList list() const noexcept CARGOBAY_NONBLOCKING { return list_; }
+  // The last drive command that it got whole.
+  const rt::WheelSpeeds& acting() const noexcept CARGOBAY_NONBLOCKING { return acting_; }
+
+  // A command of another thread waits for room.
+  bool request_waits() const noexcept CARGOBAY_NONBLOCKING { return request_.has_value(); }
+  void take_request(const Request& request) noexcept CARGOBAY_NONBLOCKING { request_ = request; }
+  // So many bytes of a request go out beside the loop's own commands; for more it has to pause.
+  std::size_t spare_bytes() const noexcept CARGOBAY_NONBLOCKING { return line_.spare_bytes; }
+  // Of a command that the robot has got the beginning of.
+  std::size_t owed_bytes() const noexcept CARGOBAY_NONBLOCKING { return outgoing_.bytes().size(); }
+  int port_error() const noexcept CARGOBAY_NONBLOCKING { return port_error_; }
+  // The port hung up, with this errno; EBADF if the descriptor is no longer the port's.
+  void note_hung_up(int error) noexcept CARGOBAY_NONBLOCKING;
+
+ private:
+  // What the rate makes of it.
+  struct Line {
+    rt::Duration tick;
+    rt::Duration way_around;  // what lies between port and robot may add, both ways together
+    rt::Duration lead;        // of a command before the frame of its tick: both of them on the wire
+    rt::Duration byte_time;
+    rt::Duration request_lasts;
+    std::size_t spare_bytes;
+    std::size_t most_fill;  // zeros in front of a command that leave it in its tick
+  };
+  static Line line_at(std::uint32_t baud, rt::Duration tick, rt::Duration request_lasts);
+
+  // For all that is known.
+  bool hears() const noexcept CARGOBAY_NONBLOCKING {
+    return !hearing_in_doubt_ && !hearing_.misheard() && !hearing_.deaf();
+  }
+  rt::Duration time_of(std::size_t bytes) const noexcept CARGOBAY_NONBLOCKING {
+    return static_cast<std::int64_t>(bytes) * line_.byte_time;
+  }
+  bool tick_has_command(rt::TimePoint sent,
+                        const TickLedger& ledger) const noexcept CARGOBAY_NONBLOCKING;
+  std::size_t fill(rt::TimePoint woken) const noexcept CARGOBAY_NONBLOCKING;
+  std::size_t longest_rest(rt::TimePoint woken) const noexcept CARGOBAY_NONBLOCKING;
+  void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  void add_request(const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+  Sent write_out(const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+
+  ByteStream& stream_;
+  Line line_;
+  GuardMark guard_{};
+  FrameRotation rotation_{};
+  FrameList list_ = FrameList::reading;
+  FrameList former_list_ = FrameList::reading;  // may still be in a frame on its way
+  int ticks_since_reads_ = 0;                   // since one of the two read the counters
+  HearingWatch hearing_{FrameList::reading};
+  bool hearing_in_doubt_ = false;  // the line was dead since it was filled up
+  bool list_in_doubt_ = false;     // filled up, and not told since
+  rt::WheelSpeeds acting_{};
+  rt::TimePoint last_command_{};
+  rt::TimePoint line_free_{};     // after a long command
+  rt::TimePoint last_request_{};  // when it was sent, and all of it but its opcode
+  std::size_t last_request_rest_ = 0;
+  int port_error_ = 0;
+  std::atomic<bool> abandoned_{false};
+  Outgoing outgoing_{};
+  std::optional<Request> request_{};
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,58 @@
+// The wheel speeds that were last asked for, and for how long they count: a program that hangs must
+// not leave its robot driving.
+#pragma once
+
+#include "rt/clock.hpp"
+#include "rt/nonblocking.hpp"
+#include "rt/setpoint_cell.hpp"
+#include "rt/wheel_speeds.hpp"
+
+namespace cargobay::hal {
+
+// put() from any thread, all else on the control thread. No allocation.
+class Setpoint {
+ public:
+  enum class Age : unsigned char {
+    alive,
+    lapses,  // with this call
+    lapsed,  // or never set
+  };
+
+  // A setpoint counts for `lapse` after the tick that first sees it.
+  explicit Setpoint(rt::Duration lapse) : lapse_{lapse} {}
+
+  // False, and nothing changed, for speeds that the cell refuses.
+  [[nodiscard]] bool put(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+    return cell_.put(speeds);
+  }
+
+  // Once a tick. One that has lapsed stays so until the next put().
+  Age see(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+    const std::uint32_t serial = cell_.get().serial;
+    if (serial != serial_) {
+      serial_ = serial;
+      since_ = now;
+      alive_ = true;
+    }
+    if (!alive_) return Age::lapsed;
+    if (now - since_ <= lapse_) return Age::alive;
+    alive_ = false;
+    return Age::lapses;
+  }
+  // While it is alive.
+  rt::WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING { return cell_.get().speeds; }
+  // What was set by now counts no longer.
+  void drop() noexcept CARGOBAY_NONBLOCKING {
+    serial_ = cell_.get().serial;
+    alive_ = false;
+  }
+
+ private:
+  rt::SetpointCell cell_{};
+  rt::Duration lapse_;
+  rt::TimePoint since_{};
+  std::uint32_t serial_ = 0;
+  bool alive_ = false;
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,58 @@
+#include "hal/cycle/setpoint.hpp"
+
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+namespace cargobay::hal {
+namespace {
+
+using namespace std::chrono_literals;
+using Age = Setpoint::Age;
+
+constexpr rt::TimePoint at(rt::Duration time) { return rt::TimePoint{time}; }
+
+TEST(Setpoint, IsLapsedUntilTheFirst) {
+  Setpoint setpoint{500ms};
+  EXPECT_EQ(setpoint.see(at(0ms)), Age::lapsed);
+}
+
+TEST(Setpoint, CountsFromTheTickThatSeesIt) {
+  Setpoint setpoint{500ms};
+  ASSERT_TRUE(setpoint.put({200.0, -100.0}));
+  EXPECT_EQ(setpoint.see(at(1000ms)), Age::alive);
+  EXPECT_EQ(setpoint.speeds(), (rt::WheelSpeeds{200.0, -100.0}));
+  EXPECT_EQ(setpoint.see(at(1500ms)), Age::alive);
+  EXPECT_EQ(setpoint.see(at(1501ms)), Age::lapses);
+  EXPECT_EQ(setpoint.see(at(1502ms)), Age::lapsed) << "reported once";
+}
+
+TEST(Setpoint, LivesAgainWhenItIsSetAgainToTheSame) {
+  Setpoint setpoint{500ms};
+  ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+  (void)setpoint.see(at(0ms));
+  ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+  EXPECT_EQ(setpoint.see(at(600ms)), Age::alive);
+  EXPECT_EQ(setpoint.see(at(1100ms)), Age::alive);
+  EXPECT_EQ(setpoint.see(at(1101ms)), Age::lapses);
+}
+
+TEST(Setpoint, ThatWasDroppedStaysSo) {
+  Setpoint setpoint{500ms};
+  ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+  setpoint.drop();
+  EXPECT_EQ(setpoint.see(at(0ms)), Age::lapsed);
+  ASSERT_TRUE(setpoint.put({100.0, 100.0}));
+  EXPECT_EQ(setpoint.see(at(15ms)), Age::alive);
+}
+
+TEST(Setpoint, KeepsTheFormerWhereTheNextIsRefused) {
+  Setpoint setpoint{500ms};
+  ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+  EXPECT_FALSE(setpoint.put({600.0, 0.0}));
+  EXPECT_EQ(setpoint.see(at(0ms)), Age::alive);
+  EXPECT_EQ(setpoint.speeds(), (rt::WheelSpeeds{200.0, 200.0}));
+}
+
+}  // namespace
+}  // namespace cargobay::hal

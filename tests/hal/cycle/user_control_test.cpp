@@ -1,0 +1,71 @@
+#include "hal/cycle/user_control.hpp"
+
+#include <chrono>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace cargobay::hal {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr UserControl::Limits kLimits{.tick = 15ms, .budget = 2ms, .overruns_allowed = 2};
+
+// Answers what it is told to, and keeps the time that it was given.
+struct Program {
+  rt::WheelSpeeds answer{};
+  double seconds = -1.0;
+  static rt::WheelSpeeds control(void* context, const CycleState&,
+                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+    auto& self = *static_cast<Program*>(context);
+    self.seconds = seconds;
+    return self.answer;
+  }
+};
+
+class UserControlTest : public testing::Test {
+ protected:
+  UserControlTest() { control_.set({.function = &Program::control, .context = &program_}); }
+  Program program_{};
+  UserControl control_{kLimits};
+};
+
+TEST_F(UserControlTest, IsGivenRobotTime) {
+  program_.answer = {100.0, 200.0};
+  const UserControl::Answer answer = control_.ask({.tick = 200});
+  EXPECT_DOUBLE_EQ(program_.seconds, 3.0);
+  EXPECT_EQ(answer.speeds, (rt::WheelSpeeds{100.0, 200.0}));
+  EXPECT_FALSE(answer.refused);
+}
+
+TEST_F(UserControlTest, RefusesWhatNoRobotFollowsAndReportsTheFirstOfARow) {
+  for (const double speed : {500.5, -500.5, std::numeric_limits<double>::quiet_NaN()}) {
+    program_.answer = {0.0, speed};
+    const UserControl::Answer first = control_.ask({});
+    EXPECT_TRUE(first.refused && first.first) << speed;
+    EXPECT_EQ(first.speeds, rt::WheelSpeeds{});
+    const UserControl::Answer second = control_.ask({});
+    EXPECT_TRUE(second.refused && !second.first) << speed;
+    program_.answer = {500.0, -500.0};
+    EXPECT_FALSE(control_.ask({}).refused);
+  }
+}
+
+TEST_F(UserControlTest, CountsOverrunsInARow) {
+  EXPECT_FALSE(control_.over_budget(2ms));
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(control_.over_budget(2ms + 1ns));
+  EXPECT_FALSE(control_.too_many_overruns());
+  EXPECT_FALSE(control_.over_budget(1ms)) << "which ends the row";
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(control_.over_budget(3ms));
+  EXPECT_TRUE(control_.too_many_overruns());
+}
+
+TEST(UserControl, ThatIsNotSetHasNoBudget) {
+  UserControl control{kLimits};
+  EXPECT_FALSE(control.is_set());
+  EXPECT_FALSE(control.over_budget(1s));
+}
+
+}  // namespace
+}  // namespace cargobay::hal
