@@ -12,12 +12,12 @@ namespace {
 constexpr double kInitialDisturbanceSd = 5.0;  // mm/s: at rest nothing is lost
 constexpr double kLeastProbability = 1e-4;     // no single reading may decide everything
 
-double normal_density(double z) noexcept CARGOBAY_NONBLOCKING {
+double normal_density(double z) CARGOBAY_NONBLOCKING {
   return std::exp(-0.5 * z * z) * std::numbers::inv_sqrtpi / std::numbers::sqrt2;
 }
 
 // Probability between a and b, a < b, without cancellation in the tails.
-double normal_between(double a, double b) noexcept CARGOBAY_NONBLOCKING {
+double normal_between(double a, double b) CARGOBAY_NONBLOCKING {
   if (a > 0.0) return normal_between(-b, -a);
   return 0.5 * (std::erfc(-b / std::numbers::sqrt2) - std::erfc(-a / std::numbers::sqrt2));
 }
@@ -32,8 +32,7 @@ struct Moments {
 };
 
 // A normal distribution conditioned on an interval.
-Moments truncate(double mean, double variance, double low,
-                 double high) noexcept CARGOBAY_NONBLOCKING {
+Moments truncate(double mean, double variance, double low, double high) CARGOBAY_NONBLOCKING {
   constexpr double kTooFar = 1e-9;
   const double sd = std::sqrt(variance);
   const double a = (low - mean) / sd;
@@ -69,7 +68,7 @@ AxisFilter::AxisFilter(const Parameters& parameters)
   reset();
 }
 
-void AxisFilter::reset() noexcept CARGOBAY_NONBLOCKING {
+void AxisFilter::reset() CARGOBAY_NONBLOCKING {
   state_ = {};
   read_mm_ = 0.0;
   forgotten_ = 0.0;
@@ -79,23 +78,22 @@ void AxisFilter::reset() noexcept CARGOBAY_NONBLOCKING {
   covariance(kDisturbance, kDisturbance) = kInitialDisturbanceSd * kInitialDisturbanceSd;
 }
 
-void AxisFilter::predict(double command_mm_s, double disturbance_sd_mm_s,
-                         double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
+void AxisFilter::predict(double command_mm_s, double disturbance_sd_mm_s, double position_sd_mm)
+    CARGOBAY_NONBLOCKING {
   const double noise = parameters_.disturbance_noise_mm_s;
   propagate(driven_, noise * noise + disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
   state_[kPosition] += driven_.position_by_input * command_mm_s;
   state_[kSpeed] += driven_.speed_by_input * command_mm_s;
 }
 
-void AxisFilter::coast(double disturbance_sd_mm_s,
-                       double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
+void AxisFilter::coast(double disturbance_sd_mm_s, double position_sd_mm) CARGOBAY_NONBLOCKING {
   propagate(coasting_, disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
 }
 
 // F x and F P F' written out: most of F is 0 or 1, and P symmetric. A third of the instructions
 // of the products of matrices.
 void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
-                           double position_sd_mm) noexcept CARGOBAY_NONBLOCKING {
+                           double position_sd_mm) CARGOBAY_NONBLOCKING {
   const auto& [position_by_speed, position_by_input, speed_by_speed, speed_by_input] = tick;
   const double speed = state_[kSpeed];
   const double input = state_[kDisturbance];
@@ -129,7 +127,7 @@ void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
   p(kDisturbance, kDisturbance) = input_input + disturbance_variance;
 }
 
-double AxisFilter::read(int count, Remainder remainder) noexcept CARGOBAY_NONBLOCKING {
+double AxisFilter::read(int count, Remainder remainder) CARGOBAY_NONBLOCKING {
   const double step = parameters_.step_mm;
   const double low = (count > 0 ? count : count - 1) * step;
   const double high = (count < 0 ? count : count + 1) * step;
@@ -152,7 +150,7 @@ double AxisFilter::read(int count, Remainder remainder) noexcept CARGOBAY_NONBLO
   return std::log(kLeastProbability + (1.0 - kLeastProbability) * seen.probability);
 }
 
-void AxisFilter::read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING {
+void AxisFilter::read_unseen(Remainder remainder) CARGOBAY_NONBLOCKING {
   const double step = parameters_.step_mm;
   if (remainder == Remainder::lost) return forget_position(0.0);
   // A robot that carries it has kept half a step, on average, which the next reading tells again.
@@ -161,7 +159,7 @@ void AxisFilter::read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING 
   forget_position(step * step / 3.0);
 }
 
-void AxisFilter::forget_position(double variance) noexcept CARGOBAY_NONBLOCKING {
+void AxisFilter::forget_position(double variance) CARGOBAY_NONBLOCKING {
   read_mm_ += state_[kPosition];
   Covariance covariance{covariance_.data()};
   forgotten_ += covariance(kPosition, kPosition);

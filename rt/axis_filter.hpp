@@ -38,37 +38,37 @@ class AxisFilter {
   explicit AxisFilter(const Parameters& parameters);
 
   // Back to standing still, nothing known of the disturbance.
-  void reset() noexcept CARGOBAY_NONBLOCKING;
+  void reset() CARGOBAY_NONBLOCKING;
 
   // One tick under the mean command of that tick. `disturbance_sd_mm_s`: how much the disturbance
   // may have changed because the command did. `position_sd_mm`: how wrong the counter may have gone
   // in this tick (a wheel that coasts against its commanded direction counts backwards).
-  void predict(double command_mm_s, double disturbance_sd_mm_s,
-               double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
+  void predict(double command_mm_s, double disturbance_sd_mm_s, double position_sd_mm)
+      CARGOBAY_NONBLOCKING;
 
   // The same with the motors commanded to 0: nothing drives the wheels, so the disturbance, which
   // is what the motors lose, does not either.
-  void coast(double disturbance_sd_mm_s, double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
+  void coast(double disturbance_sd_mm_s, double position_sd_mm) CARGOBAY_NONBLOCKING;
 
   // The counter was read, and said `count`. Returns the natural logarithm of the probability that
   // this filter gave to it.
-  double read(int count, Remainder remainder) noexcept CARGOBAY_NONBLOCKING;
+  double read(int count, Remainder remainder) CARGOBAY_NONBLOCKING;
 
   // The counter was read, and nobody knows what it said.
-  void read_unseen(Remainder remainder) noexcept CARGOBAY_NONBLOCKING;
+  void read_unseen(Remainder remainder) CARGOBAY_NONBLOCKING;
 
-  double speed_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kSpeed]; }
+  double speed_mm_s() const CARGOBAY_NONBLOCKING { return state_[kSpeed]; }
   // The way since reset(): what was read, and what the filter thinks was not. A reading may take
   // back a little of what was expected before.
-  double travel_mm() const noexcept CARGOBAY_NONBLOCKING { return read_mm_ + state_[kPosition]; }
+  double travel_mm() const CARGOBAY_NONBLOCKING { return read_mm_ + state_[kPosition]; }
   // How far that may be wrong. Of what readings left behind for good it grows with each; of what
   // the next reading will tell it does not.
-  double forgotten_variance() const noexcept CARGOBAY_NONBLOCKING { return forgotten_; }
-  double unread_variance() const noexcept CARGOBAY_NONBLOCKING {
+  double forgotten_variance() const CARGOBAY_NONBLOCKING { return forgotten_; }
+  double unread_variance() const CARGOBAY_NONBLOCKING {
     return covariance_[kPosition * kStates + kPosition];
   }
-  double disturbance_mm_s() const noexcept CARGOBAY_NONBLOCKING { return state_[kDisturbance]; }
-  double speed_variance() const noexcept CARGOBAY_NONBLOCKING {
+  double disturbance_mm_s() const CARGOBAY_NONBLOCKING { return state_[kDisturbance]; }
+  double speed_variance() const CARGOBAY_NONBLOCKING {
     return covariance_[kSpeed * kStates + kSpeed];
   }
 
@@ -89,9 +89,9 @@ class AxisFilter {
     double speed_by_input = 0.0;
   };
   static Transition driven(const Parameters& parameters);
-  void propagate(const Transition& tick, double disturbance_variance,
-                 double position_sd_mm) noexcept CARGOBAY_NONBLOCKING;
-  void forget_position(double variance) noexcept CARGOBAY_NONBLOCKING;
+  void propagate(const Transition& tick, double disturbance_variance, double position_sd_mm)
+      CARGOBAY_NONBLOCKING;
+  void forget_position(double variance) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   Transition driven_;

@@ -33,7 +33,7 @@ bool Doorbell::wait(std::uint32_t seen, TimePoint deadline) noexcept {
 }
 
 // Wakes; does not wait.
-void Doorbell::wake() noexcept CARGOBAY_NONBLOCKING {
+void Doorbell::wake() CARGOBAY_NONBLOCKING {
   unchecked([this]() noexcept {
     syscall(SYS_futex, &rings_, FUTEX_WAKE_PRIVATE, INT_MAX, nullptr, nullptr, 0);
   });

@@ -13,11 +13,11 @@ namespace cargobay::rt {
 class Doorbell {
  public:
   // How often it has rung; wraps.
-  std::uint32_t rings() const noexcept CARGOBAY_NONBLOCKING {
+  std::uint32_t rings() const CARGOBAY_NONBLOCKING {
     return rings_.load(std::memory_order_acquire);  // pairs with ring()
   }
   // What was published before is seen by whoever sees the ring.
-  void ring() noexcept CARGOBAY_NONBLOCKING {
+  void ring() CARGOBAY_NONBLOCKING {
     // In one order with wait(): either this sees the waiter, or the waiter sees this.
     rings_.fetch_add(1, std::memory_order_seq_cst);
     if (waiting_.load(std::memory_order_seq_cst) != 0) wake();
@@ -26,7 +26,7 @@ class Doorbell {
   bool wait(std::uint32_t seen, TimePoint deadline) noexcept;
 
  private:
-  void wake() noexcept CARGOBAY_NONBLOCKING;
+  void wake() CARGOBAY_NONBLOCKING;
 
   std::atomic<std::uint32_t> rings_{0};
   std::atomic<std::uint32_t> waiting_{0};

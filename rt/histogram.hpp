@@ -20,7 +20,7 @@ class Histogram {
   static constexpr std::uint64_t kMostValue = std::uint64_t{1} << 40U;
 
   // One thread records at a time; another may take a snapshot() meanwhile.
-  void record(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+  void record(std::uint64_t value) CARGOBAY_NONBLOCKING {
     const std::size_t bucket = bucket_of(value);
     store(counts_[bucket], counts_[bucket] + 1);
     if (value < min_) store(min_, value);
@@ -29,7 +29,7 @@ class Histogram {
   }
   // A copy, while another thread records: the values that it has recorded by now, and perhaps a
   // part of the one that it is at.
-  Histogram snapshot() const noexcept CARGOBAY_NONBLOCKING {
+  Histogram snapshot() const CARGOBAY_NONBLOCKING {
     Histogram copy;
     for (std::size_t i = 0; i < kBuckets; ++i) {
       copy.counts_[i] = load(counts_[i]);
@@ -45,13 +45,13 @@ class Histogram {
   // would count as one late one ("coordinated omission", G. Tene). At most kMostOmitted of them.
   // `interval` is not 0.
   static constexpr std::uint64_t kMostOmitted = 1'000'000;
-  void record_corrected(std::uint64_t value, std::uint64_t interval) noexcept CARGOBAY_NONBLOCKING {
+  void record_corrected(std::uint64_t value, std::uint64_t interval) CARGOBAY_NONBLOCKING {
     record(value);
     const std::uint64_t omitted =
         value <= interval ? 0 : std::min((value - 1) / interval, kMostOmitted);
     for (std::uint64_t i = 1; i <= omitted; ++i) record(value - i * interval);
   }
-  void merge(const Histogram& other) noexcept CARGOBAY_NONBLOCKING {
+  void merge(const Histogram& other) CARGOBAY_NONBLOCKING {
     for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
     min_ = std::min(min_, other.min_);
     max_ = std::max(max_, other.max_);
@@ -59,14 +59,14 @@ class Histogram {
   }
 
   // Adds up the buckets: nothing is counted twice while recording.
-  std::uint64_t count() const noexcept CARGOBAY_NONBLOCKING {
+  std::uint64_t count() const CARGOBAY_NONBLOCKING {
     return std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
   }
   // Exact. 0 where nothing was recorded.
-  std::uint64_t min() const noexcept CARGOBAY_NONBLOCKING { return min_ == kNone ? 0 : min_; }
-  std::uint64_t max() const noexcept CARGOBAY_NONBLOCKING { return max_; }
+  std::uint64_t min() const CARGOBAY_NONBLOCKING { return min_ == kNone ? 0 : min_; }
+  std::uint64_t max() const CARGOBAY_NONBLOCKING { return max_; }
 
-  double mean() const noexcept CARGOBAY_NONBLOCKING {
+  double mean() const CARGOBAY_NONBLOCKING {
     const std::uint64_t all = count();
     return all == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(all);
   }
@@ -82,7 +82,7 @@ class Histogram {
 
   // The smallest value that at least `percent` (0 to 100) of the recorded ones do not exceed,
   // rounded up to the end of its bucket but never above max(). 0 where nothing was recorded.
-  std::uint64_t percentile(double percent) const noexcept CARGOBAY_NONBLOCKING {
+  std::uint64_t percentile(double percent) const CARGOBAY_NONBLOCKING {
     // 99.9 % of 1000 is the 999th, whatever floating point makes of it.
     const double all = static_cast<double>(count());
     const double wanted = std::max(1.0, percent / 100.0 * all - 1e-9 * all);
@@ -100,22 +100,22 @@ class Histogram {
   static constexpr std::size_t kBuckets = (40 - kSubBits + 1) * kSubBuckets;
 
   // Relaxed: each number is whole, and that is all that a snapshot promises.
-  static void store(std::uint64_t& number, std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+  static void store(std::uint64_t& number, std::uint64_t value) CARGOBAY_NONBLOCKING {
     std::atomic_ref{number}.store(value, std::memory_order_relaxed);
   }
   // Until C++26 there is no atomic_ref of what is const; a load changes nothing.
-  static std::uint64_t load(const std::uint64_t& number) noexcept CARGOBAY_NONBLOCKING {
+  static std::uint64_t load(const std::uint64_t& number) CARGOBAY_NONBLOCKING {
     return std::atomic_ref{const_cast<std::uint64_t&>(number)}.load(std::memory_order_relaxed);
   }
 
   // The first 128 values have a bucket each; after them, 128 buckets for each power of two.
-  static std::size_t bucket_of(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+  static std::size_t bucket_of(std::uint64_t value) CARGOBAY_NONBLOCKING {
     const std::uint64_t held = std::min(value, kMostValue - 1);
     if (held < kSubBuckets) return static_cast<std::size_t>(held);
     const unsigned shift = static_cast<unsigned>(std::bit_width(held)) - 1 - kSubBits;
     return static_cast<std::size_t>((shift + 1) * kSubBuckets + (held >> shift) - kSubBuckets);
   }
-  static std::uint64_t last_value_of(std::size_t bucket) noexcept CARGOBAY_NONBLOCKING {
+  static std::uint64_t last_value_of(std::size_t bucket) CARGOBAY_NONBLOCKING {
     if (bucket < kSubBuckets) return bucket;
     const std::uint64_t shift = bucket / kSubBuckets - 1;
     return ((bucket % kSubBuckets + kSubBuckets + 1) << shift) - 1;

@@ -25,7 +25,7 @@ class Mailbox {
 
  public:
   // From one thread only. Wait-free.
-  void put(const T& value) noexcept CARGOBAY_NONBLOCKING {
+  void put(const T& value) CARGOBAY_NONBLOCKING {
     const std::uint64_t sequence = sequence_.load(std::memory_order_relaxed);
     sequence_.store(sequence + 1, std::memory_order_relaxed);
     const auto* from = reinterpret_cast<const unsigned char*>(&value);
@@ -41,7 +41,7 @@ class Mailbox {
   }
 
   // From any thread. Nothing where no value was put yet. Lock-free: retries while a value is put.
-  std::optional<T> get() const noexcept CARGOBAY_NONBLOCKING {
+  std::optional<T> get() const CARGOBAY_NONBLOCKING {
     std::array<std::uint64_t, kWords> words{};
     for (;;) {
       const std::uint64_t before =

@@ -1,10 +1,12 @@
-// Marks a function of the real-time path: it neither allocates, locks, waits nor throws. Checked by
-// clang (-Wfunction-effects, RealtimeSanitizer), empty for other compilers. It stands behind
-// noexcept: `void step() noexcept CARGOBAY_NONBLOCKING;`
+// Marks a function of the real-time path: it neither throws, allocates, locks nor waits. Checked by
+// clang (-Wfunction-effects, RealtimeSanitizer); for other compilers it is noexcept alone.
+//
+//   void step() CARGOBAY_NONBLOCKING;
+//   double speed() const CARGOBAY_NONBLOCKING { return speed_; }
 #pragma once
 
 #if defined(__has_cpp_attribute) && __has_cpp_attribute(clang::nonblocking)
-#define CARGOBAY_NONBLOCKING [[clang::nonblocking]]
+#define CARGOBAY_NONBLOCKING noexcept [[clang::nonblocking]]
 #else
-#define CARGOBAY_NONBLOCKING
+#define CARGOBAY_NONBLOCKING noexcept
 #endif

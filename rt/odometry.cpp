@@ -4,12 +4,12 @@
 
 namespace cargobay::rt {
 
-void Odometry::reset(const Pose& pose) noexcept CARGOBAY_NONBLOCKING {
+void Odometry::reset(const Pose& pose) CARGOBAY_NONBLOCKING {
   pose_ = pose;
   grown_ = {};
 }
 
-void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
+void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
   const double base_mm = parameters_.wheel_base_mm;
   const double distance_mm = travel.distance_mm * parameters_.distance_scale;
   const double turn_rad = travel.turn_rad * parameters_.turn_scale;
@@ -52,7 +52,7 @@ void Odometry::step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING {
   unread_turn_ = travel.unread_turn_variance;
 }
 
-PoseCovariance Odometry::covariance() const noexcept CARGOBAY_NONBLOCKING {
+PoseCovariance Odometry::covariance() const CARGOBAY_NONBLOCKING {
   PoseCovariance now = grown_;
   now.xx += cos_ * cos_ * unread_distance_;
   now.xy += cos_ * sin_ * unread_distance_;

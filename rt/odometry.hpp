@@ -41,13 +41,13 @@ class Odometry {
   explicit Odometry(const Parameters& parameters) : parameters_{parameters} {}
 
   // The robot is there, for certain.
-  void reset(const Pose& pose) noexcept CARGOBAY_NONBLOCKING;
-  void step(const Travel& travel) noexcept CARGOBAY_NONBLOCKING;
+  void reset(const Pose& pose) CARGOBAY_NONBLOCKING;
+  void step(const Travel& travel) CARGOBAY_NONBLOCKING;
 
-  const Pose& pose() const noexcept CARGOBAY_NONBLOCKING { return pose_; }
+  const Pose& pose() const CARGOBAY_NONBLOCKING { return pose_; }
   // The way gone; backwards counts down. reset() leaves it.
-  double distance_mm() const noexcept CARGOBAY_NONBLOCKING { return distance_mm_; }
-  PoseCovariance covariance() const noexcept CARGOBAY_NONBLOCKING;
+  double distance_mm() const CARGOBAY_NONBLOCKING { return distance_mm_; }
+  PoseCovariance covariance() const CARGOBAY_NONBLOCKING;
 
  private:
   Parameters parameters_;

@@ -4,13 +4,13 @@
 
 namespace cargobay::rt {
 
-void ReadSchedule::begin(Phase phase) noexcept CARGOBAY_NONBLOCKING {
+void ReadSchedule::begin(Phase phase) CARGOBAY_NONBLOCKING {
   phase_ = phase;
   in_phase_ = 0;
 }
 
 // Every frame for a while, then one window, and again.
-bool ReadSchedule::probe() noexcept CARGOBAY_NONBLOCKING {
+bool ReadSchedule::probe() CARGOBAY_NONBLOCKING {
   if (phase_ == Phase::reads && in_phase_ >= parameters_.probe_reads) begin(Phase::window);
   ++in_phase_;
   if (phase_ == Phase::reads) return true;
@@ -20,14 +20,14 @@ bool ReadSchedule::probe() noexcept CARGOBAY_NONBLOCKING {
 }
 
 // A window is as long as the speed has been steady, within its limits.
-bool ReadSchedule::windowed() noexcept CARGOBAY_NONBLOCKING {
+bool ReadSchedule::windowed() CARGOBAY_NONBLOCKING {
   const int window = std::clamp(steady_, parameters_.least_window_ticks, parameters_.window_ticks);
   if (++in_phase_ < window) return false;
   in_phase_ = 0;
   return true;
 }
 
-bool ReadSchedule::next_reads(RemainderBelief belief, Motion motion) noexcept CARGOBAY_NONBLOCKING {
+bool ReadSchedule::next_reads(RemainderBelief belief, Motion motion) CARGOBAY_NONBLOCKING {
   steady_ = motion == Motion::steady ? std::min(steady_ + 1, parameters_.window_ticks) : 0;
   if (motion == Motion::none) {  // nothing to lose: start the next motion with fresh counters
     begin(Phase::reads);

@@ -28,13 +28,13 @@ class ReadSchedule {
   enum class Motion { none, changing, steady };
 
   // Once a tick: whether the frame of the next tick shall read the counters.
-  bool next_reads(RemainderBelief belief, Motion motion) noexcept CARGOBAY_NONBLOCKING;
+  bool next_reads(RemainderBelief belief, Motion motion) CARGOBAY_NONBLOCKING;
 
  private:
   enum class Phase { reads, window };
-  void begin(Phase phase) noexcept CARGOBAY_NONBLOCKING;
-  bool probe() noexcept CARGOBAY_NONBLOCKING;
-  bool windowed() noexcept CARGOBAY_NONBLOCKING;
+  void begin(Phase phase) CARGOBAY_NONBLOCKING;
+  bool probe() CARGOBAY_NONBLOCKING;
+  bool windowed() CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   Phase phase_ = Phase::reads;

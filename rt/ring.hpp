@@ -20,7 +20,7 @@ class SpscRing {
 
  public:
   // From the writing thread. False, and one more dropped, where the ring is full.
-  bool push(const T& value) noexcept CARGOBAY_NONBLOCKING {
+  bool push(const T& value) CARGOBAY_NONBLOCKING {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     // Acquire pairs with pop()'s release: the slot has been read before it is written again.
     if (head - tail_.load(std::memory_order_acquire) == kCapacity) {
@@ -33,7 +33,7 @@ class SpscRing {
   }
 
   // From the reading thread. False where the ring is empty.
-  bool pop(T& value) noexcept CARGOBAY_NONBLOCKING {
+  bool pop(T& value) CARGOBAY_NONBLOCKING {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;
     value = slots_[tail % kCapacity];
@@ -42,12 +42,12 @@ class SpscRing {
   }
 
   // From the reading thread.
-  bool empty() const noexcept CARGOBAY_NONBLOCKING {
+  bool empty() const CARGOBAY_NONBLOCKING {
     return tail_.load(std::memory_order_relaxed) == head_.load(std::memory_order_acquire);
   }
 
   // Values that found the ring full; from any thread.
-  std::uint64_t dropped() const noexcept CARGOBAY_NONBLOCKING {
+  std::uint64_t dropped() const CARGOBAY_NONBLOCKING {
     return dropped_.load(std::memory_order_relaxed);
   }
 

@@ -22,7 +22,7 @@ class SetpointCell {
   };
 
   // From any thread. False, and nothing changed, for a speed that is no number or beyond kMaxSpeed.
-  [[nodiscard]] bool put(const WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+  [[nodiscard]] bool put(const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
     if (!(std::abs(speeds.left_mm_s) <= kMaxSpeed) || !(std::abs(speeds.right_mm_s) <= kMaxSpeed)) {
       return false;
     }
@@ -36,7 +36,7 @@ class SetpointCell {
   }
 
   // From any thread. Wait-free.
-  Setpoint get() const noexcept CARGOBAY_NONBLOCKING {
+  Setpoint get() const CARGOBAY_NONBLOCKING {
     const std::uint64_t word = word_.load(std::memory_order_relaxed);
     return {.speeds = {.left_mm_s = unpack(word >> 44U), .right_mm_s = unpack(word >> 24U)},
             .serial = static_cast<std::uint32_t>(word & kSerialMask)};
@@ -46,16 +46,16 @@ class SetpointCell {
   static constexpr std::uint64_t kSerialMask = (1U << 24U) - 1;
   static constexpr std::uint64_t kSpeedMask = (1U << 20U) - 1;
 
-  static std::uint64_t next_serial(std::uint64_t word) noexcept CARGOBAY_NONBLOCKING {
+  static std::uint64_t next_serial(std::uint64_t word) CARGOBAY_NONBLOCKING {
     const std::uint64_t serial = (word + 1) & kSerialMask;
     return serial == 0 ? 1 : serial;
   }
-  static std::uint64_t pack(double speed_mm_s) noexcept CARGOBAY_NONBLOCKING {
+  static std::uint64_t pack(double speed_mm_s) CARGOBAY_NONBLOCKING {
     return static_cast<std::uint64_t>(
                static_cast<std::int64_t>(std::lrint(speed_mm_s / kResolution))) &
            kSpeedMask;
   }
-  static double unpack(std::uint64_t bits) noexcept CARGOBAY_NONBLOCKING {
+  static double unpack(std::uint64_t bits) CARGOBAY_NONBLOCKING {
     auto value = static_cast<std::int32_t>(bits & kSpeedMask);
     if (value >= 1 << 19) value -= 1 << 20;
     return value * kResolution;

@@ -23,13 +23,13 @@ class SlewLimiter {
 
   // Rests at that speed from here on, whatever the limits say: also for the stop that must not
   // wait.
-  void reset(double speed_mm_s) noexcept CARGOBAY_NONBLOCKING {
+  void reset(double speed_mm_s) CARGOBAY_NONBLOCKING {
     speed_mm_s_ = speed_mm_s;
     rate_mm_s2_ = 0.0;
   }
 
   // One step of `step_s` seconds towards the target. Returns the speed to follow.
-  double step(double target_mm_s, double step_s) noexcept CARGOBAY_NONBLOCKING {
+  double step(double target_mm_s, double step_s) CARGOBAY_NONBLOCKING {
     const double way_mm_s = target_mm_s - speed_mm_s_;
     const double most_mm_s = most_change(way_mm_s, step_s);
     const double change_mm_s = std::clamp(way_mm_s, -most_mm_s, most_mm_s);
@@ -38,13 +38,13 @@ class SlewLimiter {
     rate_mm_s2_ = change_mm_s / step_s;
     return speed_mm_s_;
   }
-  double speed_mm_s() const noexcept CARGOBAY_NONBLOCKING { return speed_mm_s_; }
+  double speed_mm_s() const CARGOBAY_NONBLOCKING { return speed_mm_s_; }
   // Acceleration of the last step.
-  double rate_mm_s2() const noexcept CARGOBAY_NONBLOCKING { return rate_mm_s2_; }
+  double rate_mm_s2() const CARGOBAY_NONBLOCKING { return rate_mm_s2_; }
 
  private:
   // The change towards the target that this step may make, not signed.
-  double most_change(double way_mm_s, double step_s) const noexcept CARGOBAY_NONBLOCKING {
+  double most_change(double way_mm_s, double step_s) const CARGOBAY_NONBLOCKING {
     const double most_mm_s = limits_.acceleration_mm_s2 * step_s;
     if (limits_.jerk_mm_s3 <= 0.0) return most_mm_s;
     const double growth_mm_s = limits_.jerk_mm_s3 * step_s * step_s;
@@ -56,7 +56,7 @@ class SlewLimiter {
   // The change that, less `growth_mm_s` a step from the next step on, is gone when all steps
   // together went `way_mm_s`: it takes part in n + 1 of them, less 1 + 2 + ... + n times the
   // growth.
-  static double fading_change(double way_mm_s, double growth_mm_s) noexcept CARGOBAY_NONBLOCKING {
+  static double fading_change(double way_mm_s, double growth_mm_s) CARGOBAY_NONBLOCKING {
     const double n = std::floor((std::sqrt(1.0 + 8.0 * way_mm_s / growth_mm_s) - 1.0) / 2.0);
     return way_mm_s / (n + 1.0) + growth_mm_s * n / 2.0;
   }

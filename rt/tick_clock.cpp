@@ -17,7 +17,7 @@ constexpr std::int64_t kMemory = 67;
 
 }  // namespace
 
-void TickClock::start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+void TickClock::start(TimePoint arrival) CARGOBAY_NONBLOCKING {
   started_ = true;
   in_phase_ = false;
   in_phase_for_ = 0;
@@ -28,10 +28,8 @@ void TickClock::start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
   given_up_ = 0;
 }
 
-int TickClock::arrived(TimePoint arrival, int frames,
-                       std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING {
-  const std::int64_t passed =
-      std::max<std::int64_t>(0, (arrival - phase_ + early_) / tick_);
+int TickClock::arrived(TimePoint arrival, int frames, std::uint64_t damaged) CARGOBAY_NONBLOCKING {
+  const std::int64_t passed = std::max<std::int64_t>(0, (arrival - phase_ + early_) / tick_);
   by_time_ += passed;
   phase_ += passed * tick_;
   counted_ += frames;
@@ -57,7 +55,7 @@ int TickClock::arrived(TimePoint arrival, int frames,
 }
 
 // More frames than ticks, and too early for the next: how many of them were given up before.
-std::int64_t TickClock::take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+std::int64_t TickClock::take_back(TimePoint arrival) CARGOBAY_NONBLOCKING {
   if (by_time_ - given_up_at_ > kMemory) given_up_ = 0;
   const bool early = phase_ + tick_ - arrival >= early_;
   if (counted_ <= by_time_ || !early) return 0;
@@ -67,19 +65,18 @@ std::int64_t TickClock::take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKI
   return back;
 }
 
-TimePoint TickClock::due_by(TimePoint time) const noexcept CARGOBAY_NONBLOCKING {
+TimePoint TickClock::due_by(TimePoint time) const CARGOBAY_NONBLOCKING {
   const Duration since = time - phase_;
   const std::int64_t ticks = since / tick_ - (since % tick_ < Duration::zero() ? 1 : 0);
   return phase_ + ticks * tick_;
 }
 
-bool TickClock::in_doubt() const noexcept CARGOBAY_NONBLOCKING {
+bool TickClock::in_doubt() const CARGOBAY_NONBLOCKING {
   return doubtful_ > 0 && least_missing_ > kMostLate;
 }
 
 // How many of the missing frames are given up.
-std::int64_t TickClock::settle(std::int64_t passed,
-                               std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING {
+std::int64_t TickClock::settle(std::int64_t passed, std::uint64_t damaged) CARGOBAY_NONBLOCKING {
   const auto seen_damaged =
       static_cast<std::int64_t>(std::min(damaged, static_cast<std::uint64_t>(missing())));
   const std::int64_t doubtful = missing() - seen_damaged;

@@ -27,36 +27,33 @@ class TickClock {
   explicit TickClock(Duration tick) : tick_{tick}, early_{tick / kEarlyShare} {}
 
   // The first frame, or the first after silence: counting starts again from here.
-  void start(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
-  bool started() const noexcept CARGOBAY_NONBLOCKING { return started_; }
+  void start(TimePoint arrival) CARGOBAY_NONBLOCKING;
+  bool started() const CARGOBAY_NONBLOCKING { return started_; }
 
   // `frames` (1 or more) were received together. `damaged`: so many have been seen that were no
   // good; not more of them count than frames are missing. Returns how many before them are now
   // known to be lost, the damaged ones among them; below 0: so many of `frames` had been given up.
-  int arrived(TimePoint arrival, int frames,
-              std::uint64_t damaged = 0) noexcept CARGOBAY_NONBLOCKING;
+  int arrived(TimePoint arrival, int frames, std::uint64_t damaged = 0) CARGOBAY_NONBLOCKING;
 
   // When the last frame that is due by then was due.
-  TimePoint due_by(TimePoint time) const noexcept CARGOBAY_NONBLOCKING;
+  TimePoint due_by(TimePoint time) const CARGOBAY_NONBLOCKING;
   // False after an arrival so early that the phase must have been wrong, and may still be.
-  bool in_phase() const noexcept CARGOBAY_NONBLOCKING { return in_phase_; }
+  bool in_phase() const CARGOBAY_NONBLOCKING { return in_phase_; }
   // In phase for so long that one of the frames since then was on time, and showed it.
-  bool knows_phase() const noexcept CARGOBAY_NONBLOCKING {
-    return in_phase_for_ == kArrivalsToKnow;
-  }
+  bool knows_phase() const CARGOBAY_NONBLOCKING { return in_phase_for_ == kArrivalsToKnow; }
   // When the next frame arrives if it is on time.
-  TimePoint expected() const noexcept CARGOBAY_NONBLOCKING { return phase_ + tick_; }
+  TimePoint expected() const CARGOBAY_NONBLOCKING { return phase_ + tick_; }
   // Frames received and lost since start().
-  std::int64_t ticks() const noexcept CARGOBAY_NONBLOCKING { return counted_; }
+  std::int64_t ticks() const CARGOBAY_NONBLOCKING { return counted_; }
   // Frames that were due at the last arrival, and are late or lost: it is not known yet.
-  std::int64_t missing() const noexcept CARGOBAY_NONBLOCKING { return by_time_ - counted_; }
+  std::int64_t missing() const CARGOBAY_NONBLOCKING { return by_time_ - counted_; }
   // So many are missing that the newest frame may be of any of several ticks: a bunch is still
   // being handed over, or they are lost. The next arrival, in another tick, tells.
-  bool in_doubt() const noexcept CARGOBAY_NONBLOCKING;
+  bool in_doubt() const CARGOBAY_NONBLOCKING;
 
  private:
-  std::int64_t settle(std::int64_t passed, std::uint64_t damaged) noexcept CARGOBAY_NONBLOCKING;
-  std::int64_t take_back(TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
+  std::int64_t settle(std::int64_t passed, std::uint64_t damaged) CARGOBAY_NONBLOCKING;
+  std::int64_t take_back(TimePoint arrival) CARGOBAY_NONBLOCKING;
 
   // An arrival this much before its time still is that tick's: a quarter of a tick.
   static constexpr int kEarlyShare = 4;

@@ -19,7 +19,7 @@ namespace cargobay::rt {
 #pragma clang diagnostic ignored "-Wfunction-effects"
 #endif
 template <typename Function>
-auto unchecked(Function&& function) noexcept CARGOBAY_NONBLOCKING {
+auto unchecked(Function&& function) CARGOBAY_NONBLOCKING {
 #ifdef CARGOBAY_RTSAN
   const __rtsan::ScopedDisabler disabler;
 #endif

@@ -4,8 +4,8 @@
 
 namespace cargobay::rt {
 
-double VelocityController::step(double set_mm_s, double set_rate_mm_s2,
-                                double estimate_mm_s) noexcept CARGOBAY_NONBLOCKING {
+double VelocityController::step(double set_mm_s, double set_rate_mm_s2, double estimate_mm_s)
+    CARGOBAY_NONBLOCKING {
   const double limit = parameters_.max_command_mm_s;
   const double error_mm_s = set_mm_s - estimate_mm_s;
   const double forward_mm_s = set_mm_s + parameters_.lag_s * set_rate_mm_s2;

@@ -35,12 +35,12 @@ AxisFilter::Parameters turn_axis(const WheelEstimator::Parameters& parameters) {
 }
 
 // As std::hypot, for what neither overflows nor vanishes.
-double length(double a, double b) noexcept CARGOBAY_NONBLOCKING { return std::sqrt(a * a + b * b); }
+double length(double a, double b) CARGOBAY_NONBLOCKING { return std::sqrt(a * a + b * b); }
 
 // How far a wheel's counter may go astray in one tick: it takes its sign from the command, so a
 // wheel still rolling the old way counts the wrong way.
-double coasting_error_mm(double command_mm_s, double speed_mm_s,
-                         double tick_s) noexcept CARGOBAY_NONBLOCKING {
+double coasting_error_mm(double command_mm_s, double speed_mm_s, double tick_s)
+    CARGOBAY_NONBLOCKING {
   return command_mm_s * speed_mm_s < 0.0 ? 2.0 * std::abs(speed_mm_s) * tick_s : 0.0;
 }
 
@@ -55,7 +55,7 @@ WheelEstimator::WheelEstimator(const Parameters& parameters)
   reset();
 }
 
-void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::reset() CARGOBAY_NONBLOCKING {
   for (Hypothesis* hypothesis : {&carried_, &lost_}) {
     hypothesis->distance.reset();
     hypothesis->turn.reset();
@@ -78,7 +78,7 @@ void WheelEstimator::reset() noexcept CARGOBAY_NONBLOCKING {
   }
 }
 
-void WheelEstimator::predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
   const WheelSpeeds now = speeds();
   const double late = std::clamp(parameters_.input_delay_s / parameters_.tick_s, 0.0, 1.0);
   const double left = late * sent_.left_mm_s + (1.0 - late) * command.left_mm_s;
@@ -103,8 +103,8 @@ void WheelEstimator::predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBL
   command_unsure_ = std::max(command_unsure_ - 1, 0);
 }
 
-void WheelEstimator::step(const WheelSpeeds& command,
-                          const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::step(const WheelSpeeds& command, const std::optional<Reading>& reading)
+    CARGOBAY_NONBLOCKING {
   if (gone_through_ > 0) {
     --gone_through_;
     reading_unsure_ = reading_unsure_ || reading.has_value();
@@ -128,20 +128,20 @@ void WheelEstimator::step(const WheelSpeeds& command,
   if (command_unsure_ == 0) weigh(carried - lost);
 }
 
-void WheelEstimator::doubt_command() noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::doubt_command() CARGOBAY_NONBLOCKING {
   constexpr double kLags = 3.0;
   command_unsure_ = static_cast<int>(std::ceil(kLags * parameters_.lag_s / parameters_.tick_s));
 }
 
 // Whether a robot at full speed, and then some, could have gone so far since the last reading.
-bool WheelEstimator::plausible(const Reading& reading) const noexcept CARGOBAY_NONBLOCKING {
+bool WheelEstimator::plausible(const Reading& reading) const CARGOBAY_NONBLOCKING {
   const double most_mm = kMostSpeed * parameters_.tick_s * ticks_since_read_ + kSlackSteps;
   const double most_deg =
       2.0 * most_mm / parameters_.wheel_base_mm * 180.0 / std::numbers::pi + kSlackSteps;
   return std::abs(reading.distance_mm) <= most_mm && std::abs(reading.angle_deg) <= most_deg;
 }
 
-void WheelEstimator::read_unseen() noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::read_unseen() CARGOBAY_NONBLOCKING {
   reading_unsure_ = false;
   for (Hypothesis* hypothesis : {&carried_, &lost_}) {
     hypothesis->distance.read_unseen(hypothesis->remainder);
@@ -149,25 +149,25 @@ void WheelEstimator::read_unseen() noexcept CARGOBAY_NONBLOCKING {
   }
 }
 
-void WheelEstimator::step_lost(const WheelSpeeds& command,
-                               bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::step_lost(const WheelSpeeds& command, bool may_have_read)
+    CARGOBAY_NONBLOCKING {
   predict(command);
   if (may_have_read) reading_unsure_ = true;
 }
 
-void WheelEstimator::weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::weigh(double log_odds) CARGOBAY_NONBLOCKING {
   if (parameters_.remainder.has_value() || std::abs(log_odds) < kLeastEvidence) return;
   set_log_odds(std::clamp(log_odds_ + log_odds, -kMostLogOdds, kMostLogOdds));
   if (log_odds_ >= parameters_.decision_log_odds) belief_ = RemainderBelief::carried;
   if (log_odds_ <= -parameters_.decision_log_odds) belief_ = RemainderBelief::lost;
 }
 
-void WheelEstimator::set_log_odds(double log_odds) noexcept CARGOBAY_NONBLOCKING {
+void WheelEstimator::set_log_odds(double log_odds) CARGOBAY_NONBLOCKING {
   log_odds_ = log_odds;
   carried_weight_ = 1.0 / (1.0 + std::exp(-log_odds));
 }
 
-WheelSpeeds WheelEstimator::speeds() const noexcept CARGOBAY_NONBLOCKING {
+WheelSpeeds WheelEstimator::speeds() const CARGOBAY_NONBLOCKING {
   const double weight = carried_weight_;
   const double mean =
       weight * carried_.distance.speed_mm_s() + (1.0 - weight) * lost_.distance.speed_mm_s();
@@ -176,8 +176,7 @@ WheelSpeeds WheelEstimator::speeds() const noexcept CARGOBAY_NONBLOCKING {
   return {mean - difference / 2.0, mean + difference / 2.0};
 }
 
-WheelEstimator::Taken WheelEstimator::total(const Hypothesis& hypothesis) noexcept
-    CARGOBAY_NONBLOCKING {
+WheelEstimator::Taken WheelEstimator::total(const Hypothesis& hypothesis) CARGOBAY_NONBLOCKING {
   return {.distance_mm = hypothesis.distance.travel_mm(),
           .turn_mm = hypothesis.turn.travel_mm(),
           .distance_variance = hypothesis.distance.forgotten_variance(),
@@ -185,11 +184,11 @@ WheelEstimator::Taken WheelEstimator::total(const Hypothesis& hypothesis) noexce
 }
 
 // Step by step, by what is believed now: a kind that was found out late does not move what is past.
-Travel WheelEstimator::take_travel() noexcept CARGOBAY_NONBLOCKING {
+Travel WheelEstimator::take_travel() CARGOBAY_NONBLOCKING {
   const Taken carried = total(carried_);
   const Taken lost = total(lost_);
   const double weight = carried_weight_;
-  const auto since = [&](double Taken::* member) noexcept CARGOBAY_NONBLOCKING {
+  const auto since = [&](double Taken::* member) CARGOBAY_NONBLOCKING {
     return weight * (carried.*member - carried_taken_.*member) +
            (1.0 - weight) * (lost.*member - lost_taken_.*member);
   };
@@ -206,7 +205,7 @@ Travel WheelEstimator::take_travel() noexcept CARGOBAY_NONBLOCKING {
   return travel;
 }
 
-double WheelEstimator::speed_sd_mm_s() const noexcept CARGOBAY_NONBLOCKING {
+double WheelEstimator::speed_sd_mm_s() const CARGOBAY_NONBLOCKING {
   const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
   return std::sqrt(likely.distance.speed_variance() + likely.turn.speed_variance() / 4.0);
 }

@@ -46,43 +46,42 @@ class WheelEstimator {
   explicit WheelEstimator(const Parameters& parameters);
 
   // Before the first motion, and after the wheels were out of our hands.
-  void reset() noexcept CARGOBAY_NONBLOCKING;
+  void reset() CARGOBAY_NONBLOCKING;
 
   // One tick of the robot has passed and its frame is here. `command`: what was sent on the frame
   // before. `reading`: what the frame carries; nothing where it does not read the counters.
-  void step(const WheelSpeeds& command,
-            const std::optional<Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
+  void step(const WheelSpeeds& command, const std::optional<Reading>& reading) CARGOBAY_NONBLOCKING;
 
   // The next reading may be that of several ticks: nobody can tell yet, so it says nothing.
-  void doubt_next_reading() noexcept CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
+  void doubt_next_reading() CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
 
   // From which tick on the present command acts is not known, as when the robot was told to stop
   // while its frames stayed away. For three lags the readings are no evidence for either kind.
-  void doubt_command() noexcept CARGOBAY_NONBLOCKING;
+  void doubt_command() CARGOBAY_NONBLOCKING;
 
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
-  void step_lost(const WheelSpeeds& command, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
+  void step_lost(const WheelSpeeds& command, bool may_have_read) CARGOBAY_NONBLOCKING;
 
   // So many frames that were taken for lost are here, and next: their ticks have been gone through.
   // What they read is of the past and will be missing in the reading behind them, so neither says
   // anything.
-  void came_after_all(int frames) noexcept CARGOBAY_NONBLOCKING { gone_through_ += frames; }
+  void came_after_all(int frames) CARGOBAY_NONBLOCKING { gone_through_ += frames; }
 
-  WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING;
+  WheelSpeeds speeds() const CARGOBAY_NONBLOCKING;
   // The way since the last call, or since reset().
-  Travel take_travel() noexcept CARGOBAY_NONBLOCKING;
-  RemainderBelief belief() const noexcept CARGOBAY_NONBLOCKING { return belief_; }
+  Travel take_travel() CARGOBAY_NONBLOCKING;
+  RemainderBelief belief() const CARGOBAY_NONBLOCKING { return belief_; }
   // Evidence for `carried` over `lost`, natural logarithm of the odds.
-  double log_odds_carried() const noexcept CARGOBAY_NONBLOCKING { return log_odds_; }
+  double log_odds_carried() const CARGOBAY_NONBLOCKING { return log_odds_; }
   // Of all readings that were believed, as the likelier kind of robot foresaw them: natural
   // logarithm of their probability. What fits a drive best has the greatest.
-  double log_likelihood() const noexcept CARGOBAY_NONBLOCKING {
+  double log_likelihood() const CARGOBAY_NONBLOCKING {
     return log_odds_ > 0.0 ? carried_likelihood_ : lost_likelihood_;
   }
   // Readings that no robot can make, and that were taken for unseen.
-  std::uint64_t rejected() const noexcept CARGOBAY_NONBLOCKING { return rejected_; }
+  std::uint64_t rejected() const CARGOBAY_NONBLOCKING { return rejected_; }
   // Standard deviation that the filter itself states for one wheel's speed.
-  double speed_sd_mm_s() const noexcept CARGOBAY_NONBLOCKING;
+  double speed_sd_mm_s() const CARGOBAY_NONBLOCKING;
 
  private:
   struct Hypothesis {
@@ -90,11 +89,11 @@ class WheelEstimator {
     AxisFilter distance;
     AxisFilter turn;
   };
-  void predict(const WheelSpeeds& command) noexcept CARGOBAY_NONBLOCKING;
-  bool plausible(const Reading& reading) const noexcept CARGOBAY_NONBLOCKING;
-  void read_unseen() noexcept CARGOBAY_NONBLOCKING;
-  void weigh(double log_odds) noexcept CARGOBAY_NONBLOCKING;
-  void set_log_odds(double log_odds) noexcept CARGOBAY_NONBLOCKING;
+  void predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
+  bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
+  void read_unseen() CARGOBAY_NONBLOCKING;
+  void weigh(double log_odds) CARGOBAY_NONBLOCKING;
+  void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
 
   // Way and forgotten variance of one hypothesis, as they were when they were last taken.
   struct Taken {
@@ -103,7 +102,7 @@ class WheelEstimator {
     double distance_variance = 0.0;
     double turn_variance = 0.0;
   };
-  static Taken total(const Hypothesis& hypothesis) noexcept CARGOBAY_NONBLOCKING;
+  static Taken total(const Hypothesis& hypothesis) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   Hypothesis carried_;

@@ -16,18 +16,17 @@ WheelLoop::WheelLoop(const Parameters& parameters)
       left_{SlewLimiter{parameters.limits}, VelocityController{parameters.controller}},
       right_{SlewLimiter{parameters.limits}, VelocityController{parameters.controller}} {}
 
-void WheelLoop::lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING {
+void WheelLoop::lost(int ticks, bool may_have_read) CARGOBAY_NONBLOCKING {
   constexpr int kMostSteps = 100;  // longer than any silence the cycle survives
   for (int i = 0; i < ticks && i < kMostSteps; ++i) estimator_.step_lost(command_, may_have_read);
 }
 
-void WheelLoop::frame(const std::optional<WheelEstimator::Reading>& reading) noexcept
-    CARGOBAY_NONBLOCKING {
+void WheelLoop::frame(const std::optional<WheelEstimator::Reading>& reading) CARGOBAY_NONBLOCKING {
   estimator_.step(command_, reading);
 }
 
 double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,
-                              const Parameters& parameters) noexcept CARGOBAY_NONBLOCKING {
+                              const Parameters& parameters) CARGOBAY_NONBLOCKING {
   const double former_mm_s = slew.speed_mm_s();
   const double set_mm_s = slew.step(target_mm_s, parameters.controller.tick_s);
   // What the integral learnt in one direction is wrong in the other.
@@ -39,14 +38,14 @@ double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,
   return static_cast<double>(std::lrint(command_mm_s));
 }
 
-WheelSpeeds WheelLoop::control(const WheelSpeeds& target) noexcept CARGOBAY_NONBLOCKING {
+WheelSpeeds WheelLoop::control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
   const WheelSpeeds now = estimate();
   command_ = {left_.step(target.left_mm_s, now.left_mm_s, parameters_),
               right_.step(target.right_mm_s, now.right_mm_s, parameters_)};
   return command_;
 }
 
-void WheelLoop::stop() noexcept CARGOBAY_NONBLOCKING {
+void WheelLoop::stop() CARGOBAY_NONBLOCKING {
   command_ = {};
   for (Wheel* wheel : {&left_, &right_}) {
     wheel->slew.reset(0.0);
@@ -55,7 +54,7 @@ void WheelLoop::stop() noexcept CARGOBAY_NONBLOCKING {
   estimator_.doubt_command();
 }
 
-bool WheelLoop::next_reads() noexcept CARGOBAY_NONBLOCKING {
+bool WheelLoop::next_reads() CARGOBAY_NONBLOCKING {
   using Motion = ReadSchedule::Motion;
   const bool moving =
       std::abs(command_.left_mm_s) > kMoving || std::abs(command_.right_mm_s) > kMoving;

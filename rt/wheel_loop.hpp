@@ -30,40 +30,38 @@ class WheelLoop {
   explicit WheelLoop(const Parameters& parameters);
 
   // What one tick brought: call these first, in this order, ...
-  void lost(int ticks, bool may_have_read) noexcept CARGOBAY_NONBLOCKING;
-  void came_after_all(int frames) noexcept CARGOBAY_NONBLOCKING {
-    estimator_.came_after_all(frames);
-  }
-  void doubt_next_reading() noexcept CARGOBAY_NONBLOCKING { estimator_.doubt_next_reading(); }
-  void frame(const std::optional<WheelEstimator::Reading>& reading) noexcept CARGOBAY_NONBLOCKING;
+  void lost(int ticks, bool may_have_read) CARGOBAY_NONBLOCKING;
+  void came_after_all(int frames) CARGOBAY_NONBLOCKING { estimator_.came_after_all(frames); }
+  void doubt_next_reading() CARGOBAY_NONBLOCKING { estimator_.doubt_next_reading(); }
+  void frame(const std::optional<WheelEstimator::Reading>& reading) CARGOBAY_NONBLOCKING;
   // ... and this once behind them. Returns the command for the wheels, whole mm/s within the
   // robot's range. A target of 0 reached by the acceleration limit is a command of exactly 0.
-  WheelSpeeds control(const WheelSpeeds& target) noexcept CARGOBAY_NONBLOCKING;
+  WheelSpeeds control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING;
   // The command could not be sent: the former one still acts.
-  void not_sent(const WheelSpeeds& former) noexcept CARGOBAY_NONBLOCKING { command_ = former; }
+  void not_sent(const WheelSpeeds& former) CARGOBAY_NONBLOCKING { command_ = former; }
   // It may act a tick later than one that is sent in time.
-  void sent_late() noexcept CARGOBAY_NONBLOCKING { estimator_.doubt_command(); }
+  void sent_late() CARGOBAY_NONBLOCKING { estimator_.doubt_command(); }
 
   // The wheels were told to stop, past the acceleration limit: they start again from standing.
-  void stop() noexcept CARGOBAY_NONBLOCKING;
+  void stop() CARGOBAY_NONBLOCKING;
 
-  WheelSpeeds estimate() const noexcept CARGOBAY_NONBLOCKING { return estimator_.speeds(); }
-  Travel take_travel() noexcept CARGOBAY_NONBLOCKING { return estimator_.take_travel(); }
+  WheelSpeeds estimate() const CARGOBAY_NONBLOCKING { return estimator_.speeds(); }
+  Travel take_travel() CARGOBAY_NONBLOCKING { return estimator_.take_travel(); }
   // The target behind the acceleration limit.
-  WheelSpeeds set() const noexcept CARGOBAY_NONBLOCKING {
+  WheelSpeeds set() const CARGOBAY_NONBLOCKING {
     return {left_.slew.speed_mm_s(), right_.slew.speed_mm_s()};
   }
-  WheelSpeeds command() const noexcept CARGOBAY_NONBLOCKING { return command_; }
-  RemainderBelief belief() const noexcept CARGOBAY_NONBLOCKING { return estimator_.belief(); }
+  WheelSpeeds command() const CARGOBAY_NONBLOCKING { return command_; }
+  RemainderBelief belief() const CARGOBAY_NONBLOCKING { return estimator_.belief(); }
   // Whether the frame of the next tick shall read the counters; once a tick.
-  bool next_reads() noexcept CARGOBAY_NONBLOCKING;
+  bool next_reads() CARGOBAY_NONBLOCKING;
 
  private:
   struct Wheel {
     SlewLimiter slew;
     VelocityController controller;
-    double step(double target_mm_s, double estimate_mm_s,
-                const Parameters& parameters) noexcept CARGOBAY_NONBLOCKING;
+    double step(double target_mm_s, double estimate_mm_s, const Parameters& parameters)
+        CARGOBAY_NONBLOCKING;
   };
 
   Parameters parameters_;

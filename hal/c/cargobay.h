@@ -277,10 +277,9 @@ struct cargobay_options {
   double distance_scale;      /**< true distance for each mm reported, 0.5 to 2; 0: the
                                    configuration's, or 1 */
   double turn_scale; /**< the same for each degree, 0.5 to 2; 0: the configuration's, or 1 */
-  void (*progress)(void* context, const char* step,
-                   const char* detail); /**< told of each step of
+  void (*progress)(void* context, const char* step, const char* detail); /**< told of each step of
    the bring-up, on the calling thread; it must not throw; NULL: nobody */
-  void* progress_context;               /**< given to `progress` */
+  void* progress_context;                                                /**< given to `progress` */
 };
 
 /**

@@ -10,9 +10,7 @@ std::atomic<std::uint32_t> fork_count{0};
 
 }  // namespace
 
-std::uint32_t forks() noexcept CARGOBAY_NONBLOCKING {
-  return fork_count.load(std::memory_order_relaxed);
-}
+std::uint32_t forks() CARGOBAY_NONBLOCKING { return fork_count.load(std::memory_order_relaxed); }
 
 void count_forks() {
   // In the child one thread is left, and its memory is its own.

@@ -18,7 +18,7 @@
 namespace cargobay::c {
 
 // How often this process was forked, counted in the children.
-std::uint32_t forks() noexcept CARGOBAY_NONBLOCKING;
+std::uint32_t forks() CARGOBAY_NONBLOCKING;
 void count_forks();
 
 // What a handle is of; a part of its number.
@@ -30,7 +30,7 @@ inline constexpr unsigned kSlotBits = 6;
 inline constexpr unsigned kKindBits = 2;
 
 // Whatever pointer it is given; none for one that is no handle. Whether it is open does not matter.
-constexpr HandleKind kind_of(std::uintptr_t handle) noexcept CARGOBAY_NONBLOCKING {
+constexpr HandleKind kind_of(std::uintptr_t handle) CARGOBAY_NONBLOCKING {
   // Odd: never a pointer to anything.
   if ((handle & 1U) == 0) return HandleKind::none;
   return static_cast<HandleKind>((handle >> 1U >> kSlotBits) % (1U << kKindBits));
@@ -71,13 +71,13 @@ class HandleTable {
     Use(const Use&) = delete;
     Use& operator=(const Use&) = delete;
 
-    explicit operator bool() const noexcept CARGOBAY_NONBLOCKING { return slot_ != nullptr; }
-    Object* operator->() const noexcept CARGOBAY_NONBLOCKING { return object_; }
-    Object& operator*() const noexcept CARGOBAY_NONBLOCKING { return *object_; }
-    std::size_t index() const noexcept CARGOBAY_NONBLOCKING { return index_; }
+    explicit operator bool() const CARGOBAY_NONBLOCKING { return slot_ != nullptr; }
+    Object* operator->() const CARGOBAY_NONBLOCKING { return object_; }
+    Object& operator*() const CARGOBAY_NONBLOCKING { return *object_; }
+    std::size_t index() const CARGOBAY_NONBLOCKING { return index_; }
 
    private:
-    void end() noexcept CARGOBAY_NONBLOCKING {
+    void end() CARGOBAY_NONBLOCKING {
       // Pairs with the wait in close(): what was done with the object is done.
       if (slot_ != nullptr) slot_->word.fetch_sub(1, std::memory_order_release);
       slot_ = nullptr;
@@ -109,7 +109,7 @@ class HandleTable {
   }
 
   // Lock-free.
-  Use use(const void* handle) noexcept CARGOBAY_NONBLOCKING {
+  Use use(const void* handle) CARGOBAY_NONBLOCKING {
     std::size_t index = 0;
     std::uint64_t generation = 0;
     if (!read(handle, index, generation)) return {};
@@ -159,8 +159,8 @@ class HandleTable {
     // NOLINTNEXTLINE(performance-no-int-to-ptr): never followed
     return reinterpret_cast<void*>((number << kSlotBits | index) << 1U | 1U);
   }
-  static bool read(const void* handle, std::size_t& index,
-                   std::uint64_t& generation) noexcept CARGOBAY_NONBLOCKING {
+  static bool read(const void* handle, std::size_t& index, std::uint64_t& generation)
+      CARGOBAY_NONBLOCKING {
     const auto number = reinterpret_cast<std::uintptr_t>(handle);
     index = (number >> 1U) % kMost;
     generation = number >> 1U >> kSlotBits >> kKindBits;

@@ -20,11 +20,11 @@ namespace {
 thread_local bool control_runs = false;
 
 // Of what the OI calls the wheels, to the C API's.
-cargobay_wheels c_wheels(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+cargobay_wheels c_wheels(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   return {.left_mm_s = speeds.left_mm_s, .right_mm_s = speeds.right_mm_s};
 }
 
-std::int32_t c_remainder(rt::RemainderBelief belief) noexcept CARGOBAY_NONBLOCKING {
+std::int32_t c_remainder(rt::RemainderBelief belief) CARGOBAY_NONBLOCKING {
   switch (belief) {
     case rt::RemainderBelief::unknown: return CARGOBAY_REMAINDER_UNKNOWN;
     case rt::RemainderBelief::carried: return CARGOBAY_REMAINDER_CARRIED;
@@ -123,8 +123,8 @@ int not_from_control(const char* function) noexcept {
   });
 }
 
-rt::WheelSpeeds call_control(void* object, const hal::CycleState& state,
-                             double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double /*seconds*/)
+    CARGOBAY_NONBLOCKING {
   auto& robot = *static_cast<RobotObject*>(object);
   // The program's own; how long it takes is watched by the cycle, and by the guard.
   return rt::unchecked([&]() noexcept -> rt::WheelSpeeds {
@@ -146,8 +146,8 @@ rt::WheelSpeeds call_control(void* object, const hal::CycleState& state,
   });
 }
 
-cargobay_state c_state(const RobotObject& robot,
-                       const hal::CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+cargobay_state c_state(const RobotObject& robot, const hal::CycleState& state)
+    CARGOBAY_NONBLOCKING {
   cargobay_state seen{};
   seen.size = sizeof seen;
   seen.mode = static_cast<std::int32_t>(state.mode);

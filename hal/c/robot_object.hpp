@@ -81,11 +81,10 @@ bool in_control() noexcept;
 int not_from_control(const char* function) noexcept;
 
 // The control function that calls the program's; its context is the RobotObject.
-rt::WheelSpeeds call_control(void* object, const hal::CycleState& state,
-                             double seconds) noexcept CARGOBAY_NONBLOCKING;
+rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double seconds)
+    CARGOBAY_NONBLOCKING;
 
 // As C programs see it.
-cargobay_state c_state(const RobotObject& robot,
-                       const hal::CycleState& state) noexcept CARGOBAY_NONBLOCKING;
+cargobay_state c_state(const RobotObject& robot, const hal::CycleState& state) CARGOBAY_NONBLOCKING;
 
 }  // namespace cargobay::c

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostGrowth = 4096;
 
 // False for null, and for what is shorter than its size or longer than any version will make it.
 template <typename Struct>
-[[nodiscard]] bool sized(const Struct* given) noexcept CARGOBAY_NONBLOCKING {
+[[nodiscard]] bool sized(const Struct* given) CARGOBAY_NONBLOCKING {
   return given != nullptr && given->size >= kLeastSize &&
          given->size <= sizeof(Struct) + kMostGrowth;
 }
@@ -27,7 +27,7 @@ template <typename Struct>
 // From the program. False where `given` is not sized(), or asks for what this library does not
 // know; `known` is then not to be used.
 template <typename Struct>
-[[nodiscard]] bool take(const Struct* given, Struct& known) noexcept CARGOBAY_NONBLOCKING {
+[[nodiscard]] bool take(const Struct* given, Struct& known) CARGOBAY_NONBLOCKING {
   known = Struct{};
   if (!sized(given)) return false;
   const std::size_t size = given->size;
@@ -43,7 +43,7 @@ template <typename Struct>
 // To the program, as much as it has room for; its size stays. False where `wanted` is not sized(),
 // and nothing is written.
 template <typename Struct>
-[[nodiscard]] bool give(const Struct& known, Struct* wanted) noexcept CARGOBAY_NONBLOCKING {
+[[nodiscard]] bool give(const Struct& known, Struct* wanted) CARGOBAY_NONBLOCKING {
   if (!sized(wanted)) return false;
   const std::size_t size = wanted->size;
   auto* bytes = reinterpret_cast<std::uint8_t*>(wanted);

@@ -45,8 +45,8 @@ struct Pattern {
   const hal::Calibration* calibration = nullptr;
   hal::ControlCycle* cycle = nullptr;
 
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     const auto& self = *static_cast<Pattern*>(context);
     if (seconds >= hal::Calibration::duration_s()) self.cycle->request_stop();
     return self.calibration->at(seconds);

@@ -47,8 +47,8 @@ struct Driver {
   hal::ControlCycle* cycle = nullptr;
   double before_s = 0.0;  // robot time of the links before this one
 
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Driver*>(context);
     const double driven_s = self.before_s + seconds;
     if (driven_s >= self.duration_s) self.cycle->request_stop();

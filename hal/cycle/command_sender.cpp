@@ -55,7 +55,7 @@ CommandSender::CommandSender(ByteStream& stream, rt::Duration tick, rt::Duration
     : stream_{stream}, line_{line_at(stream.baud(), tick, request_lasts)} {}
 
 FrameList CommandSender::next_list(FrameRotation::Counters counters,
-                                   std::optional<FrameList> search) noexcept CARGOBAY_NONBLOCKING {
+                                   std::optional<FrameList> search) CARGOBAY_NONBLOCKING {
   FrameList next = search ? *search : rotation_.next(counters);
   if (hearing_.deaf() && !search) next = hearing_.probe();
   former_list_ = list_;
@@ -64,8 +64,8 @@ FrameList CommandSender::next_list(FrameRotation::Counters counters,
   return next;
 }
 
-bool CommandSender::must_withhold(rt::TimePoint now,
-                                  const TickLedger& ledger) const noexcept CARGOBAY_NONBLOCKING {
+bool CommandSender::must_withhold(rt::TimePoint now, const TickLedger& ledger) const
+    CARGOBAY_NONBLOCKING {
   // After a long command the next would come when it is no longer true.
   if (line_free_ - now > line_.way_around) return true;
   const rt::TimePoint reaches = std::max(now, line_free_) + time_of(fill(ledger.last_arrival()));
@@ -76,8 +76,8 @@ bool CommandSender::must_withhold(rt::TimePoint now,
 // was very late has been answered in the tick of the next. Unless this one is on time without
 // doubt, commands are nearly a tick apart in any case: where all frames are late the phase does not
 // show.
-bool CommandSender::tick_has_command(rt::TimePoint sent,
-                                     const TickLedger& ledger) const noexcept CARGOBAY_NONBLOCKING {
+bool CommandSender::tick_has_command(rt::TimePoint sent, const TickLedger& ledger) const
+    CARGOBAY_NONBLOCKING {
   if (!ledger.on_time(line_.way_around) && sent - last_command_ < line_.tick - line_.way_around)
     return true;
   if (!ledger.clock().in_phase()) return false;
@@ -87,7 +87,7 @@ bool CommandSender::tick_has_command(rt::TimePoint sent,
 }
 
 CommandSender::Sent CommandSender::drive(const rt::WheelSpeeds& command, FrameList list,
-                                         const Moment& moment) noexcept CARGOBAY_NONBLOCKING {
+                                         const Moment& moment) CARGOBAY_NONBLOCKING {
   const std::size_t zeros = fill(moment.woken);
   last_command_ = moment.now + time_of(zeros);
   // The rest of a command is one: another after it would be the second in this tick. A stop does
@@ -104,7 +104,7 @@ CommandSender::Sent CommandSender::drive(const rt::WheelSpeeds& command, FrameLi
 }
 
 CommandSender::Sent CommandSender::keep(FrameList list, std::optional<oi::Mode> mode,
-                                        const Moment& moment) noexcept CARGOBAY_NONBLOCKING {
+                                        const Moment& moment) CARGOBAY_NONBLOCKING {
   acting_ = {};
   if (mode) outgoing_.add_mode(*mode);
   outgoing_.add_fill(fill(moment.woken));
@@ -117,7 +117,7 @@ CommandSender::Sent CommandSender::keep(FrameList list, std::optional<oi::Mode> 
 // for the rest: so zeros come first, which are no harm as data and nothing as opcodes. What they
 // complete may be a list, which is why the list follows. A robot that does not stream what it was
 // told gets as many as there is room for: a command that it misread may want hundreds.
-std::size_t CommandSender::fill(rt::TimePoint woken) const noexcept CARGOBAY_NONBLOCKING {
+std::size_t CommandSender::fill(rt::TimePoint woken) const CARGOBAY_NONBLOCKING {
   // The rest of a command comes before anything else, and completes it.
   if (!outgoing_.empty()) return 0;
   if (hearing_.deaf()) return line_.most_fill;
@@ -126,19 +126,19 @@ std::size_t CommandSender::fill(rt::TimePoint woken) const noexcept CARGOBAY_NON
 
 // Of the commands that a robot may have got the beginning of, where the line was cut: a request is
 // among them until it must have arrived.
-std::size_t CommandSender::longest_rest(rt::TimePoint woken) const noexcept CARGOBAY_NONBLOCKING {
+std::size_t CommandSender::longest_rest(rt::TimePoint woken) const CARGOBAY_NONBLOCKING {
   const bool lately = woken - last_request_ < line_.request_lasts;
   const std::size_t rest = lately ? std::max(kLongestOwnRest, last_request_rest_) : kLongestOwnRest;
   return std::min(rest, Outgoing::kMostFill);
 }
 
-void CommandSender::add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+void CommandSender::add_list(FrameList list) CARGOBAY_NONBLOCKING {
   const bool again = list_in_doubt_ || !hears();
   if (list != list_ || again) outgoing_.add_list(list);
 }
 
 // If the robot hears, its mode allows it, and there is room: one command a frame.
-void CommandSender::add_request(const Moment& moment) noexcept CARGOBAY_NONBLOCKING {
+void CommandSender::add_request(const Moment& moment) CARGOBAY_NONBLOCKING {
   if (!request_) return;
   const std::span<const std::uint8_t> bytes = request_->command();
   const oi::CommandInfo* info = bytes.empty() ? nullptr : oi::find_command(bytes[0]);
@@ -159,7 +159,7 @@ void CommandSender::add_request(const Moment& moment) noexcept CARGOBAY_NONBLOCK
 
 // Gives the port what is outgoing, in one write. That it still is the port needs no look if a whole
 // frame, checksum and all, was just read from the same descriptor: nothing else sends those.
-CommandSender::Sent CommandSender::write_out(const Moment& moment) noexcept CARGOBAY_NONBLOCKING {
+CommandSender::Sent CommandSender::write_out(const Moment& moment) CARGOBAY_NONBLOCKING {
   if (outgoing_.empty()) return Sent::whole;
   const bool proven = moment.frames_read && moment.now - moment.woken <= kOwnWork;
   if (!proven && !stream_.still_open()) return Sent::failed;
@@ -188,7 +188,7 @@ CommandSender::Sent CommandSender::write_out(const Moment& moment) noexcept CARG
   return taken.missed_drive ? Sent::not_whole : Sent::whole;
 }
 
-void CommandSender::note_hung_up(int error) noexcept CARGOBAY_NONBLOCKING {
+void CommandSender::note_hung_up(int error) CARGOBAY_NONBLOCKING {
   port_error_ = stream_.still_open() ? error : EBADF;
 }
 

@@ -52,56 +52,55 @@ class CommandSender {
   CommandSender(ByteStream& stream, rt::Duration tick, rt::Duration request_lasts);
 
   void set_guard(const GuardMark& guard) { guard_ = guard; }
-  GuardMark& guard() noexcept CARGOBAY_NONBLOCKING { return guard_; }
+  GuardMark& guard() CARGOBAY_NONBLOCKING { return guard_; }
   // Nothing is written any more. What is being written at this moment still goes out.
-  void abandon() noexcept CARGOBAY_NONBLOCKING { abandoned_.store(true); }
+  void abandon() CARGOBAY_NONBLOCKING { abandoned_.store(true); }
 
   // The list for the next tick's frame; `search`: the one that the cause of a lost mode is looked
   // for in. Once a tick.
-  FrameList next_list(FrameRotation::Counters counters,
-                      std::optional<FrameList> search) noexcept CARGOBAY_NONBLOCKING;
-  FrameRotation& rotation() noexcept CARGOBAY_NONBLOCKING { return rotation_; }
+  FrameList next_list(FrameRotation::Counters counters, std::optional<FrameList> search)
+      CARGOBAY_NONBLOCKING;
+  FrameRotation& rotation() CARGOBAY_NONBLOCKING { return rotation_; }
   // Of the ticks since the last frame one may have carried a reading; what never came is missed
   // late, so the list that it was of may be an older one.
-  bool may_have_read(bool never_came) const noexcept CARGOBAY_NONBLOCKING {
+  bool may_have_read(bool never_came) const CARGOBAY_NONBLOCKING {
     return ticks_since_reads_ <= (never_came ? rt::TickClock::kPatience + 1 : 1);
   }
   // The frame that is here ends a window: those before it did not read the counters.
-  bool ends_window() const noexcept CARGOBAY_NONBLOCKING {
+  bool ends_window() const CARGOBAY_NONBLOCKING {
     return list_ != FrameList::reading || former_list_ != FrameList::reading;
   }
 
   // What is seen of the robot's hearing: a good frame, one that is missing, a line that was dead.
-  void see(std::optional<FrameList> list) noexcept CARGOBAY_NONBLOCKING { hearing_.see(list); }
-  void see_missing() noexcept CARGOBAY_NONBLOCKING { hearing_.missed(); }
-  void doubt_hearing() noexcept CARGOBAY_NONBLOCKING { hearing_in_doubt_ = true; }
+  void see(std::optional<FrameList> list) CARGOBAY_NONBLOCKING { hearing_.see(list); }
+  void see_missing() CARGOBAY_NONBLOCKING { hearing_.missed(); }
+  void doubt_hearing() CARGOBAY_NONBLOCKING { hearing_in_doubt_ = true; }
 
   // Whether a command now would come too late to be true, after a long one, or might meet the last
   // one in a tick.
-  bool must_withhold(rt::TimePoint now,
-                     const TickLedger& ledger) const noexcept CARGOBAY_NONBLOCKING;
+  bool must_withhold(rt::TimePoint now, const TickLedger& ledger) const CARGOBAY_NONBLOCKING;
   // One write: the command and what else is due. `whole` means that this very command was.
-  Sent drive(const rt::WheelSpeeds& command, FrameList list,
-             const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+  Sent drive(const rt::WheelSpeeds& command, FrameList list, const Moment& moment)
+      CARGOBAY_NONBLOCKING;
   // The same without a command for the wheels, of which the robot obeys none now; with the mode, if
   // it is to be told.
-  Sent keep(FrameList list, std::optional<oi::Mode> mode,
-            const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+  Sent keep(FrameList list, std::optional<oi::Mode> mode, const Moment& moment)
+      CARGOBAY_NONBLOCKING;
   // What the robot was last told to stream.
-  FrameList list() const noexcept CARGOBAY_NONBLOCKING { return list_; }
+  FrameList list() const CARGOBAY_NONBLOCKING { return list_; }
   // The last drive command that it got whole.
-  const rt::WheelSpeeds& acting() const noexcept CARGOBAY_NONBLOCKING { return acting_; }
+  const rt::WheelSpeeds& acting() const CARGOBAY_NONBLOCKING { return acting_; }
 
   // A command of another thread waits for room.
-  bool request_waits() const noexcept CARGOBAY_NONBLOCKING { return request_.has_value(); }
-  void take_request(const Request& request) noexcept CARGOBAY_NONBLOCKING { request_ = request; }
+  bool request_waits() const CARGOBAY_NONBLOCKING { return request_.has_value(); }
+  void take_request(const Request& request) CARGOBAY_NONBLOCKING { request_ = request; }
   // So many bytes of a request go out beside the loop's own commands; for more it has to pause.
-  std::size_t spare_bytes() const noexcept CARGOBAY_NONBLOCKING { return line_.spare_bytes; }
+  std::size_t spare_bytes() const CARGOBAY_NONBLOCKING { return line_.spare_bytes; }
   // Of a command that the robot has got the beginning of.
-  std::size_t owed_bytes() const noexcept CARGOBAY_NONBLOCKING { return outgoing_.bytes().size(); }
-  int port_error() const noexcept CARGOBAY_NONBLOCKING { return port_error_; }
+  std::size_t owed_bytes() const CARGOBAY_NONBLOCKING { return outgoing_.bytes().size(); }
+  int port_error() const CARGOBAY_NONBLOCKING { return port_error_; }
   // The port hung up, with this errno; EBADF if the descriptor is no longer the port's.
-  void note_hung_up(int error) noexcept CARGOBAY_NONBLOCKING;
+  void note_hung_up(int error) CARGOBAY_NONBLOCKING;
 
  private:
   // What the rate makes of it.
@@ -117,19 +116,18 @@ class CommandSender {
   static Line line_at(std::uint32_t baud, rt::Duration tick, rt::Duration request_lasts);
 
   // For all that is known.
-  bool hears() const noexcept CARGOBAY_NONBLOCKING {
+  bool hears() const CARGOBAY_NONBLOCKING {
     return !hearing_in_doubt_ && !hearing_.misheard() && !hearing_.deaf();
   }
-  rt::Duration time_of(std::size_t bytes) const noexcept CARGOBAY_NONBLOCKING {
+  rt::Duration time_of(std::size_t bytes) const CARGOBAY_NONBLOCKING {
     return static_cast<std::int64_t>(bytes) * line_.byte_time;
   }
-  bool tick_has_command(rt::TimePoint sent,
-                        const TickLedger& ledger) const noexcept CARGOBAY_NONBLOCKING;
-  std::size_t fill(rt::TimePoint woken) const noexcept CARGOBAY_NONBLOCKING;
-  std::size_t longest_rest(rt::TimePoint woken) const noexcept CARGOBAY_NONBLOCKING;
-  void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
-  void add_request(const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
-  Sent write_out(const Moment& moment) noexcept CARGOBAY_NONBLOCKING;
+  bool tick_has_command(rt::TimePoint sent, const TickLedger& ledger) const CARGOBAY_NONBLOCKING;
+  std::size_t fill(rt::TimePoint woken) const CARGOBAY_NONBLOCKING;
+  std::size_t longest_rest(rt::TimePoint woken) const CARGOBAY_NONBLOCKING;
+  void add_list(FrameList list) CARGOBAY_NONBLOCKING;
+  void add_request(const Moment& moment) CARGOBAY_NONBLOCKING;
+  Sent write_out(const Moment& moment) CARGOBAY_NONBLOCKING;
 
   ByteStream& stream_;
   Line line_;

@@ -18,8 +18,7 @@ rt::Duration tick_of(const CycleParameters& parameters) {
 }
 
 // So much that it matters in which tick the robot gets the second.
-bool changes(const rt::WheelSpeeds& before,
-             const rt::WheelSpeeds& after) noexcept CARGOBAY_NONBLOCKING {
+bool changes(const rt::WheelSpeeds& before, const rt::WheelSpeeds& after) CARGOBAY_NONBLOCKING {
   constexpr double kLeast = 10.0;  // mm/s: in one tick 0.15 of the counter's millimetres
   return std::abs(after.left_mm_s - before.left_mm_s) > kLeast ||
          std::abs(after.right_mm_s - before.right_mm_s) > kLeast;
@@ -46,31 +45,31 @@ ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
       power_{parameters.power},
       receiver_{tick_of(parameters)} {}
 
-CycleEnd ControlCycle::run() noexcept CARGOBAY_NONBLOCKING {
+CycleEnd ControlCycle::run() CARGOBAY_NONBLOCKING {
   begin();
   while (pass()) {
   }
   return finish();
 }
 
-void ControlCycle::begin() noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::begin() CARGOBAY_NONBLOCKING {
   const rt::TimePoint now = stream_.now();
   ledger_.begin(now);
   receiver_.begin(now);
   silence_.begin(now);
 }
 
-bool ControlCycle::pass() noexcept CARGOBAY_NONBLOCKING {
+bool ControlCycle::pass() CARGOBAY_NONBLOCKING {
   return !stop_requested_.load(std::memory_order_relaxed) && pass_once() != Step::ended;
 }
 
-CycleEnd ControlCycle::finish() noexcept CARGOBAY_NONBLOCKING {
+CycleEnd ControlCycle::finish() CARGOBAY_NONBLOCKING {
   stop_wheels();
   return end_;
 }
 
 // One wait, one read, and if frames are complete, one write.
-ControlCycle::Step ControlCycle::pass_once() noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::pass_once() CARGOBAY_NONBLOCKING {
   const ByteStream::Wait woken = stream_.wait(wake_time());
   const rt::TimePoint now = stream_.now();
   woken_ = now;
@@ -82,21 +81,21 @@ ControlCycle::Step ControlCycle::pass_once() noexcept CARGOBAY_NONBLOCKING {
   // Also after a time-out: fewer bytes than a frame may be there, and must not stay behind.
   const ByteStream::Transfer transfer = stream_.read(receiver_.room());
   if (transfer.error != 0) return hung_up(transfer.error);
-  receiver_.decode(
-      transfer.count, now,
-      [this](const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING { see_frame(frame); });
+  receiver_.decode(transfer.count, now, [this](const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
+    see_frame(frame);
+  });
   if (!receiver_.empty()) return answer(now);
   return now >= silence_.deadline() ? deadline_passed() : Step::on;
 }
 
 // Frames are waited for whole. One that was taken in pieces has a rest, which is fetched by itself:
 // left to wait for a frame's worth of bytes it would come with most of the next, and so for ever.
-rt::TimePoint ControlCycle::wake_time() const noexcept CARGOBAY_NONBLOCKING {
+rt::TimePoint ControlCycle::wake_time() const CARGOBAY_NONBLOCKING {
   if (receiver_.whole()) return silence_.deadline();
   return std::min(silence_.deadline(), stream_.now() + frame_time_ + kHandOver);
 }
 
-ControlCycle::Step ControlCycle::look_after_guard(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::look_after_guard(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   switch (sender_.guard().beat(now)) {
     case GuardMark::Robot::ours: break;
     case GuardMark::Robot::taken: return end(CycleEnd::guarded);
@@ -106,7 +105,7 @@ ControlCycle::Step ControlCycle::look_after_guard(rt::TimePoint now) noexcept CA
 }
 
 // Looks for what is worth reporting.
-void ControlCycle::see_frame(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   sender_.see(receiver_.list());
   // The ledger has not counted it yet.
   const auto ahead = static_cast<std::int64_t>(receiver_.readings().size());
@@ -124,8 +123,8 @@ void ControlCycle::see_frame(const oi::SensorValues& frame) noexcept CARGOBAY_NO
   report({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
 }
 
-void ControlCycle::see_bumps(const oi::SensorValues& frame,
-                             std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::see_bumps(const oi::SensorValues& frame, std::int64_t tick)
+    CARGOBAY_NONBLOCKING {
   if (!frame.has(oi::PacketId::bumps_and_wheel_drops)) return;
   const Bumps before = std::exchange(bumps_, bumps_in(frame));
   const Bumps began{static_cast<std::uint8_t>(bumps_.raw() & ~before.raw())};
@@ -133,7 +132,7 @@ void ControlCycle::see_bumps(const oi::SensorValues& frame,
   if (before.any() && !bumps_.any()) report({.what = EventKind::bump_ended}, tick);
 }
 
-ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   take_requests();
   std::optional<rt::Duration> period;
   if (ledger_.clock().started()) period = arrival - ledger_.last_arrival();
@@ -153,7 +152,7 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) noexcept CARGOBAY
 
 // What needs no room on the line is done at once; a command waits for its own frame, and what was
 // asked for after it waits with it.
-void ControlCycle::take_requests() noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::take_requests() CARGOBAY_NONBLOCKING {
   if (requests_.empty()) return;  // which is cheaper to ask than a request to make
   Request request;
   for (std::size_t i = 0; i < kMostRequests; ++i) {
@@ -163,7 +162,7 @@ void ControlCycle::take_requests() noexcept CARGOBAY_NONBLOCKING {
   }
 }
 
-void ControlCycle::take_request(const Request& request) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::take_request(const Request& request) CARGOBAY_NONBLOCKING {
   switch (request.kind) {
     case Request::Kind::command: sender_.take_request(request); break;
     case Request::Kind::stream: sender_.rotation().stream(request.extras); break;
@@ -173,7 +172,7 @@ void ControlCycle::take_request(const Request& request) noexcept CARGOBAY_NONBLO
 }
 
 // Books the arrival, and takes loop and odometry to the present tick.
-void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::account(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   const bool counting = ledger_.clock().started();
   const TickLedger::Account account =
       ledger_.book({.time = arrival,
@@ -190,7 +189,7 @@ void ControlCycle::account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING 
 }
 
 // The ticks whose frames are not here, and those that were taken for lost and are.
-void ControlCycle::step_through(const TickLedger::Account& account) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::step_through(const TickLedger::Account& account) CARGOBAY_NONBLOCKING {
   if (account.bytes_missing) sender_.doubt_hearing();
   if (account.incomplete) sender_.see_missing();
   loop_.lost(account.to_step, sender_.may_have_read(account.never_came));
@@ -209,7 +208,7 @@ void ControlCycle::step_through(const TickLedger::Account& account) noexcept CAR
   if (!clock.in_phase()) loop_.sent_late();  // what was sent before, as shows now
 }
 
-CycleState ControlCycle::state_at(rt::TimePoint arrival) const noexcept CARGOBAY_NONBLOCKING {
+CycleState ControlCycle::state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING {
   return {.tick = ledger_.clock().ticks(),
           .arrival = arrival,
           .estimate = loop_.estimate(),
@@ -224,7 +223,7 @@ CycleState ControlCycle::state_at(rt::TimePoint arrival) const noexcept CARGOBAY
           .pose_covariance = odometry_.covariance()};
 }
 
-ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKING {
   if (mode_watch_.state() == ModeWatch::State::driving) return control(state);
   const bool known = mode_watch_.state() == ModeWatch::State::lost;
   if (known && parameters_.on_mode_loss == OnModeLoss::end) return end(CycleEnd::mode_lost);
@@ -233,7 +232,7 @@ ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) noexcept CARG
 }
 
 // Closes the loop on this tick, with one write.
-ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::control(CycleState& state) CARGOBAY_NONBLOCKING {
   const rt::TimePoint read = stream_.now();
   if (read - state.arrival > CommandSender::kOwnWork) ++counters_.overruns.read;
   state.setpoint_lapsed = !control_.is_set() && setpoint_lapsed(state.arrival);
@@ -265,7 +264,7 @@ ControlCycle::Step ControlCycle::control(CycleState& state) noexcept CARGOBAY_NO
 
 // The robot is not in its mode: it obeys no wheel command, and what was asked of the wheels counts
 // no more. Only lists are sent, and the mode if somebody asked for it.
-ControlCycle::Step ControlCycle::hold() noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::hold() CARGOBAY_NONBLOCKING {
   loop_.stop();
   setpoint_.drop();
   const FrameList list = next_list();
@@ -279,7 +278,7 @@ ControlCycle::Step ControlCycle::hold() noexcept CARGOBAY_NONBLOCKING {
                                                                   : Step::on;
 }
 
-FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
+FrameList ControlCycle::next_list() CARGOBAY_NONBLOCKING {
   using Counters = FrameRotation::Counters;
   // A robot that loses the remainder is read seldom anyway; one that stands loses nothing.
   const bool settled =
@@ -292,7 +291,7 @@ FrameList ControlCycle::next_list() noexcept CARGOBAY_NONBLOCKING {
   return sender_.next_list(counters, search);
 }
 
-CommandSender::Moment ControlCycle::moment(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING {
+CommandSender::Moment ControlCycle::moment(rt::TimePoint now) const CARGOBAY_NONBLOCKING {
   return {.now = now,
           .woken = woken_,
           .frames_read = !receiver_.empty(),
@@ -300,19 +299,19 @@ CommandSender::Moment ControlCycle::moment(rt::TimePoint now) const noexcept CAR
           .set_stands = loop_.set() == rt::WheelSpeeds{}};
 }
 
-rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) CARGOBAY_NONBLOCKING {
   if (control_.is_set()) return ask_control(state);
   return state.setpoint_lapsed ? rt::WheelSpeeds{} : setpoint_.speeds();
 }
 
-rt::WheelSpeeds ControlCycle::ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds ControlCycle::ask_control(const CycleState& state) CARGOBAY_NONBLOCKING {
   const UserControl::Answer answer = control_.ask(state);
   if (answer.refused) ++counters_.refused;
   if (answer.first) report(EventKind::control_refused);
   return answer.speeds;
 }
 
-bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+bool ControlCycle::setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   const Setpoint::Age age = setpoint_.see(now);
   if (age == Setpoint::Age::lapses) report(EventKind::setpoint_lapsed);
   return age != Setpoint::Age::alive;
@@ -321,7 +320,7 @@ bool ControlCycle::setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCK
 // The deadline passed without a frame. What was last commanded goes on acting; nothing is sent, so
 // that no tick sees two commands when the frame comes after all. Only a longer silence is answered,
 // once, by a stop: from there the wheels start again.
-ControlCycle::Step ControlCycle::deadline_passed() noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::deadline_passed() CARGOBAY_NONBLOCKING {
   ++counters_.frames.late;
   const rt::TimePoint now = stream_.now();
   switch (silence_.deadline_passed(now, ledger_.last_arrival())) {
@@ -333,7 +332,7 @@ ControlCycle::Step ControlCycle::deadline_passed() noexcept CARGOBAY_NONBLOCKING
 }
 
 // Up to now the last command was obeyed; from now on none is.
-void ControlCycle::stop_in_silence(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::stop_in_silence(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   silence_.owe_stop(mode_watch_.state() == ModeWatch::State::driving);
   const int foreseen = ledger_.foresee(now);
   if (foreseen > 0) loop_.lost(foreseen, true);
@@ -342,14 +341,14 @@ void ControlCycle::stop_in_silence(rt::TimePoint now) noexcept CARGOBAY_NONBLOCK
   report(EventKind::silence_began);
 }
 
-ControlCycle::Step ControlCycle::send_owed_stop(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+ControlCycle::Step ControlCycle::send_owed_stop(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   const Sent sent = sender_.drive({}, sender_.list(), moment(now));
   silence_.owe_stop(sent == Sent::not_whole);
   if (silence_.owes_stop()) ++counters_.unsent;
   return sent == Sent::failed ? hung_up(sender_.port_error()) : Step::on;
 }
 
-void ControlCycle::stop_wheels() noexcept CARGOBAY_NONBLOCKING {
+void ControlCycle::stop_wheels() CARGOBAY_NONBLOCKING {
   if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;  // farewell() tries
   // In Passive it would not obey, and was reported to spoil the next start.
   const bool obeys = mode_watch_.mode() == oi::Mode::safe || mode_watch_.mode() == oi::Mode::full;

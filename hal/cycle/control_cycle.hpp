@@ -53,22 +53,22 @@ class ControlCycle {
 
   // Runs until something ends it. The last thing it sends, if the robot still listens, is
   // DriveDirect 0 0; the mode stays as it is. Once only.
-  CycleEnd run() noexcept CARGOBAY_NONBLOCKING;
+  CycleEnd run() CARGOBAY_NONBLOCKING;
   // The same in steps, for a stream in virtual time: begin(), then pass() until it is false, then
   // finish().
-  void begin() noexcept CARGOBAY_NONBLOCKING;
-  [[nodiscard]] bool pass() noexcept CARGOBAY_NONBLOCKING;
-  CycleEnd finish() noexcept CARGOBAY_NONBLOCKING;
+  void begin() CARGOBAY_NONBLOCKING;
+  [[nodiscard]] bool pass() CARGOBAY_NONBLOCKING;
+  CycleEnd finish() CARGOBAY_NONBLOCKING;
 
   // From any thread, also from a signal handler.
-  void request_stop() noexcept CARGOBAY_NONBLOCKING {
+  void request_stop() CARGOBAY_NONBLOCKING {
     stop_requested_.store(true, std::memory_order_relaxed);
   }
   // From any thread: nothing is written any more, whatever the control thread does when it comes
   // back from where it hangs. What it writes at this very moment still goes out.
-  void abandon() noexcept CARGOBAY_NONBLOCKING { sender_.abandon(); }
+  void abandon() CARGOBAY_NONBLOCKING { sender_.abandon(); }
   // From any thread: when the control thread last woke; nothing before the first time.
-  std::optional<rt::TimePoint> last_pass() const noexcept CARGOBAY_NONBLOCKING {
+  std::optional<rt::TimePoint> last_pass() const CARGOBAY_NONBLOCKING {
     const std::int64_t passed_ns = passed_ns_.load(std::memory_order_relaxed);
     if (passed_ns == 0) return std::nullopt;
     return rt::TimePoint{rt::Duration{passed_ns}};
@@ -76,49 +76,41 @@ class ControlCycle {
   // From any thread. False for speeds that are no number or beyond the robot's range. A setpoint
   // lapses after setpoint_lapse, and when the robot loses its mode; then the wheels stop, and stay
   // so until a new one is set.
-  [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+  [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
     return within_range(speeds) && setpoint_.put(speeds);
   }
 
   // From any thread: for so long from the next pass on the robot's silence is no lost link, as
   // while it plays a script that waits. The wheels get their stop all the same, should it listen.
-  void expect_silence(rt::Duration duration) noexcept CARGOBAY_NONBLOCKING {
-    silence_.announce(duration);
-  }
+  void expect_silence(rt::Duration duration) CARGOBAY_NONBLOCKING { silence_.announce(duration); }
 
   // From any thread. If the mode was lost and the cycle holds: tells the robot to go back to it,
   // once, and drives on when it has. What comes of it is an event. Otherwise nothing happens.
-  void request_rearm() noexcept CARGOBAY_NONBLOCKING {
+  void request_rearm() CARGOBAY_NONBLOCKING {
     rearm_requested_.store(true, std::memory_order_relaxed);
   }
 
   // From one other thread. False if too many wait already. A command goes out after the loop's
   // own, one a frame, as far as the robot's mode allows it then.
-  [[nodiscard]] bool request(const Request& request) noexcept CARGOBAY_NONBLOCKING {
+  [[nodiscard]] bool request(const Request& request) CARGOBAY_NONBLOCKING {
     return requests_.push(request);
   }
   // So many bytes of a request go out beside the loop's own commands; for more it has to pause.
-  std::size_t spare_bytes() const noexcept CARGOBAY_NONBLOCKING { return sender_.spare_bytes(); }
+  std::size_t spare_bytes() const CARGOBAY_NONBLOCKING { return sender_.spare_bytes(); }
 
   // From any thread.
-  std::optional<CycleState> state() const noexcept CARGOBAY_NONBLOCKING {
-    return outlets_.state.get();
-  }
+  std::optional<CycleState> state() const CARGOBAY_NONBLOCKING { return outlets_.state.get(); }
   // From one other thread: the states of all ticks, oldest first; false when there are no more.
-  bool next_state(CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-    return outlets_.history.pop(state);
-  }
+  bool next_state(CycleState& state) CARGOBAY_NONBLOCKING { return outlets_.history.pop(state); }
   // The same for the events.
-  bool next_event(Event& event) noexcept CARGOBAY_NONBLOCKING { return outlets_.events.pop(event); }
+  bool next_event(Event& event) CARGOBAY_NONBLOCKING { return outlets_.events.pop(event); }
   // Events that found no room, because nobody took them. From any thread.
-  std::uint64_t events_dropped() const noexcept CARGOBAY_NONBLOCKING {
-    return outlets_.events.dropped();
-  }
+  std::uint64_t events_dropped() const CARGOBAY_NONBLOCKING { return outlets_.events.dropped(); }
 
   // What each packet said last. From any thread.
-  SensorReadings sensors() const noexcept CARGOBAY_NONBLOCKING { return outlets_.board.readings(); }
+  SensorReadings sensors() const CARGOBAY_NONBLOCKING { return outlets_.board.readings(); }
   // From any thread.
-  CycleCounters counters() const noexcept CARGOBAY_NONBLOCKING {
+  CycleCounters counters() const CARGOBAY_NONBLOCKING {
     return outlets_.counters.get().value_or(CycleCounters{});
   }
 
@@ -146,41 +138,41 @@ class ControlCycle {
   enum class Step : std::uint8_t { on, ended };
   using Sent = CommandSender::Sent;
 
-  Step pass_once() noexcept CARGOBAY_NONBLOCKING;
-  rt::TimePoint wake_time() const noexcept CARGOBAY_NONBLOCKING;
-  Step look_after_guard(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
-  void see_frame(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
-  void see_bumps(const oi::SensorValues& frame, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING;
-  Step answer(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
-  void take_requests() noexcept CARGOBAY_NONBLOCKING;
-  void take_request(const Request& request) noexcept CARGOBAY_NONBLOCKING;
-  void account(rt::TimePoint arrival) noexcept CARGOBAY_NONBLOCKING;
-  void step_through(const TickLedger::Account& account) noexcept CARGOBAY_NONBLOCKING;
-  CycleState state_at(rt::TimePoint arrival) const noexcept CARGOBAY_NONBLOCKING;
-  Step answer_in_mode(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
-  Step control(CycleState& state) noexcept CARGOBAY_NONBLOCKING;
-  void send_command(CycleState& state, rt::TimePoint decided) noexcept CARGOBAY_NONBLOCKING;
-  Step hold() noexcept CARGOBAY_NONBLOCKING;
-  Step deadline_passed() noexcept CARGOBAY_NONBLOCKING;
-  void stop_in_silence(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
-  Step send_owed_stop(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
-  FrameList next_list() noexcept CARGOBAY_NONBLOCKING;
-  bool setpoint_lapsed(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
-  rt::WheelSpeeds wanted(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
-  rt::WheelSpeeds ask_control(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
-  CommandSender::Moment moment(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING;
-  void stop_wheels() noexcept CARGOBAY_NONBLOCKING;
-  void report(const Event& event, std::int64_t tick) noexcept CARGOBAY_NONBLOCKING {
+  Step pass_once() CARGOBAY_NONBLOCKING;
+  rt::TimePoint wake_time() const CARGOBAY_NONBLOCKING;
+  Step look_after_guard(rt::TimePoint now) CARGOBAY_NONBLOCKING;
+  void see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
+  void see_bumps(const oi::SensorValues& frame, std::int64_t tick) CARGOBAY_NONBLOCKING;
+  Step answer(rt::TimePoint arrival) CARGOBAY_NONBLOCKING;
+  void take_requests() CARGOBAY_NONBLOCKING;
+  void take_request(const Request& request) CARGOBAY_NONBLOCKING;
+  void account(rt::TimePoint arrival) CARGOBAY_NONBLOCKING;
+  void step_through(const TickLedger::Account& account) CARGOBAY_NONBLOCKING;
+  CycleState state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING;
+  Step answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKING;
+  Step control(CycleState& state) CARGOBAY_NONBLOCKING;
+  void send_command(CycleState& state, rt::TimePoint decided) CARGOBAY_NONBLOCKING;
+  Step hold() CARGOBAY_NONBLOCKING;
+  Step deadline_passed() CARGOBAY_NONBLOCKING;
+  void stop_in_silence(rt::TimePoint now) CARGOBAY_NONBLOCKING;
+  Step send_owed_stop(rt::TimePoint now) CARGOBAY_NONBLOCKING;
+  FrameList next_list() CARGOBAY_NONBLOCKING;
+  bool setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING;
+  rt::WheelSpeeds wanted(const CycleState& state) CARGOBAY_NONBLOCKING;
+  rt::WheelSpeeds ask_control(const CycleState& state) CARGOBAY_NONBLOCKING;
+  CommandSender::Moment moment(rt::TimePoint now) const CARGOBAY_NONBLOCKING;
+  void stop_wheels() CARGOBAY_NONBLOCKING;
+  void report(const Event& event, std::int64_t tick) CARGOBAY_NONBLOCKING {
     outlets_.report(event, tick, woken_);
   }
-  void report(EventKind what) noexcept CARGOBAY_NONBLOCKING {
+  void report(EventKind what) CARGOBAY_NONBLOCKING {
     report({.what = what}, ledger_.clock().ticks());
   }
-  Step end(CycleEnd why) noexcept CARGOBAY_NONBLOCKING {
+  Step end(CycleEnd why) CARGOBAY_NONBLOCKING {
     end_ = why;
     return Step::ended;
   }
-  Step hung_up(int error) noexcept CARGOBAY_NONBLOCKING {
+  Step hung_up(int error) CARGOBAY_NONBLOCKING {
     sender_.note_hung_up(error);
     return end(CycleEnd::hung_up);
   }

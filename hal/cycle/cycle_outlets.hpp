@@ -19,12 +19,12 @@ namespace cargobay::hal {
 struct CycleOutlets {
   static constexpr std::size_t kHistory = 4096;  // about a minute of states
 
-  void publish(const CycleState& now, const CycleCounters& counted) noexcept CARGOBAY_NONBLOCKING {
+  void publish(const CycleState& now, const CycleCounters& counted) CARGOBAY_NONBLOCKING {
     counters.put(counted);
     state.put(now);
     history.push(now);
   }
-  void report(Event event, std::int64_t tick, rt::TimePoint time) noexcept CARGOBAY_NONBLOCKING {
+  void report(Event event, std::int64_t tick, rt::TimePoint time) CARGOBAY_NONBLOCKING {
     event.tick = tick;
     event.time = time;
     (void)events.push(event);  // the ring counts what it drops

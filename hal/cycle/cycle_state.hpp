@@ -79,18 +79,18 @@ struct CycleCounters {
 // not block, lock, allocate or throw. `seconds` is robot time since the first frame. While the
 // robot has lost its mode it is not called.
 struct ControlFunction {
-  rt::WheelSpeeds (*function)(void* context, const CycleState& state,
-                              double seconds) noexcept CARGOBAY_NONBLOCKING = nullptr;
+  rt::WheelSpeeds (*function)(void* context, const CycleState& state, double seconds)
+      CARGOBAY_NONBLOCKING = nullptr;
   void* context = nullptr;  // outlives the cycle
 };
 
 // Called once a frame on the control thread, after the command, with all that became of the tick.
 // The rules are those of a ControlFunction.
 struct StateObserver {
-  void (*function)(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING = nullptr;
+  void (*function)(void* context, const CycleState& state) CARGOBAY_NONBLOCKING = nullptr;
   void* context = nullptr;  // outlives the cycle
   // Of each request, when the cycle takes it up; may be null.
-  void (*request)(void* context, const Request& request) noexcept CARGOBAY_NONBLOCKING = nullptr;
+  void (*request)(void* context, const Request& request) CARGOBAY_NONBLOCKING = nullptr;
 };
 
 }  // namespace cargobay::hal

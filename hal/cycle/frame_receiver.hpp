@@ -29,50 +29,49 @@ class FrameReceiver {
   explicit FrameReceiver(rt::Duration tick) : quiet_{kQuietTicks * tick} {}
 
   // Waiting begins.
-  void begin(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING { last_bytes_ = now; }
+  void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_bytes_ = now; }
   // For the next read.
-  std::span<std::uint8_t> room() noexcept CARGOBAY_NONBLOCKING { return bytes_; }
+  std::span<std::uint8_t> room() CARGOBAY_NONBLOCKING { return bytes_; }
 
   // The first `count` bytes of room() have arrived. Calls `see(values)` for each good frame. When
   // the line has been quiet, what looked like the beginning of a frame will not be finished, and
   // may have hidden a whole one.
   template <typename See>
-  void decode(std::size_t count, rt::TimePoint now, const See& see) noexcept CARGOBAY_NONBLOCKING {
+  void decode(std::size_t count, rt::TimePoint now, const See& see) CARGOBAY_NONBLOCKING {
     readings_.clear();
     if (count > 0) last_bytes_ = now;
     decoder_.push(std::span<const std::uint8_t>{bytes_}.first(count),
-                  [this, &see](oi::StreamDecoder::Outcome outcome) noexcept CARGOBAY_NONBLOCKING {
-                    take(outcome, see);
-                  });
+                  [this, &see](oi::StreamDecoder::Outcome outcome)
+                      CARGOBAY_NONBLOCKING { take(outcome, see); });
     if (readings_.empty() && now - last_bytes_ >= quiet_) give_up_open_frame(see);
   }
 
   // Of the frames of this pass.
-  const Readings& readings() const noexcept CARGOBAY_NONBLOCKING { return readings_; }
-  bool empty() const noexcept CARGOBAY_NONBLOCKING { return readings_.empty(); }
-  bool any_reads() const noexcept CARGOBAY_NONBLOCKING {
+  const Readings& readings() const CARGOBAY_NONBLOCKING { return readings_; }
+  bool empty() const CARGOBAY_NONBLOCKING { return readings_.empty(); }
+  bool any_reads() const CARGOBAY_NONBLOCKING {
     bool reads = false;
     for (const Reading& reading : readings_) reads = reads || reading.has_value();
     return reads;
   }
   // What the last frame says.
-  const oi::SensorValues& values() const noexcept CARGOBAY_NONBLOCKING { return values_; }
+  const oi::SensorValues& values() const CARGOBAY_NONBLOCKING { return values_; }
   // The list that it is of; nothing for a frame that nobody asked for: a command has no checksum,
   // and one damaged on its way may have asked for any packets.
-  std::optional<FrameList> list() const noexcept CARGOBAY_NONBLOCKING {
+  std::optional<FrameList> list() const CARGOBAY_NONBLOCKING {
     if (decoder_.frame().size() != kFrameBytes) return std::nullopt;
     return list_of(values_);
   }
 
   // Candidates that were no frames, since this was last asked.
-  std::uint64_t take_corrupt() noexcept CARGOBAY_NONBLOCKING {
+  std::uint64_t take_corrupt() CARGOBAY_NONBLOCKING {
     return std::exchange(corrupt_, std::uint64_t{0});
   }
-  const oi::StreamDecoder::Counters& bytes() const noexcept CARGOBAY_NONBLOCKING {
+  const oi::StreamDecoder::Counters& bytes() const CARGOBAY_NONBLOCKING {
     return decoder_.counters();
   }
   // No frame is open: all bytes so far are in frames, or in none.
-  bool whole() const noexcept CARGOBAY_NONBLOCKING {
+  bool whole() const CARGOBAY_NONBLOCKING {
     return bytes().framed + bytes().skipped == bytes().bytes;
   }
 
@@ -82,7 +81,7 @@ class FrameReceiver {
   static constexpr int kQuietTicks = 2;
 
   template <typename See>
-  void give_up_open_frame(const See& see) noexcept CARGOBAY_NONBLOCKING {
+  void give_up_open_frame(const See& see) CARGOBAY_NONBLOCKING {
     using Outcome = oi::StreamDecoder::Outcome;
     for (Outcome outcome = decoder_.abandon(); outcome != Outcome::nothing;
          outcome = decoder_.abandon()) {
@@ -90,7 +89,7 @@ class FrameReceiver {
     }
   }
   template <typename See>
-  void take(oi::StreamDecoder::Outcome outcome, const See& see) noexcept CARGOBAY_NONBLOCKING {
+  void take(oi::StreamDecoder::Outcome outcome, const See& see) CARGOBAY_NONBLOCKING {
     if (outcome == oi::StreamDecoder::Outcome::corrupt) {
       ++corrupt_;
       return;
@@ -100,7 +99,7 @@ class FrameReceiver {
     (void)readings_.push_back(reading());               // has room
     see(values_);
   }
-  Reading reading() const noexcept CARGOBAY_NONBLOCKING {
+  Reading reading() const CARGOBAY_NONBLOCKING {
     if (!values_.has(oi::PacketId::distance) || !values_.has(oi::PacketId::angle))
       return std::nullopt;
     return rt::WheelEstimator::Reading{.distance_mm = values_.raw(oi::PacketId::distance),

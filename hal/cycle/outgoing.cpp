@@ -10,23 +10,23 @@ namespace {
 
 constexpr std::array<std::uint8_t, Outgoing::kMostFill> kZeros{};
 
-oi::MmPerSec to_wire(double speed_mm_s) noexcept CARGOBAY_NONBLOCKING {
+oi::MmPerSec to_wire(double speed_mm_s) CARGOBAY_NONBLOCKING {
   return oi::MmPerSec{static_cast<std::int32_t>(std::lrint(speed_mm_s))};
 }
 
 }  // namespace
 
-void Outgoing::add_drive(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::add_drive(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   add({.kind = Kind::drive, .speeds = speeds},
       oi::encode(
           oi::DriveDirect{.left = to_wire(speeds.left_mm_s), .right = to_wire(speeds.right_mm_s)}));
 }
 
-void Outgoing::add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::add_list(FrameList list) CARGOBAY_NONBLOCKING {
   add({.kind = Kind::list, .list = list}, oi::encode(oi::Stream{packets(list)}));
 }
 
-void Outgoing::add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::add_mode(oi::Mode mode) CARGOBAY_NONBLOCKING {
   if (mode == oi::Mode::full) {
     add({.kind = Kind::mode}, oi::encode(oi::Full{}));
   } else {
@@ -34,28 +34,27 @@ void Outgoing::add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING {
   }
 }
 
-void Outgoing::add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::add_fill(std::size_t zeros) CARGOBAY_NONBLOCKING {
   if (zeros == 0) return;
   append({.kind = Kind::fill}, std::span{kZeros}.first(std::min(zeros, kMostFill)));
 }
 
-void Outgoing::add_request(std::span<const std::uint8_t> command) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::add_request(std::span<const std::uint8_t> command) CARGOBAY_NONBLOCKING {
   append({.kind = Kind::request}, command);
 }
 
-void Outgoing::append(Piece piece,
-                      std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::append(Piece piece, std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   if (pieces_.full() || !bytes_.append(bytes)) return;  // by construction there is room
   piece.end = bytes_.size();
   (void)pieces_.push_back(piece);
 }
 
-bool Outgoing::drives() const noexcept CARGOBAY_NONBLOCKING {
+bool Outgoing::drives() const CARGOBAY_NONBLOCKING {
   return std::any_of(pieces_.begin(), pieces_.end(),
                      [](const Piece& piece) { return piece.kind == Kind::drive; });
 }
 
-Outgoing::Taken Outgoing::took(std::size_t count) noexcept CARGOBAY_NONBLOCKING {
+Outgoing::Taken Outgoing::took(std::size_t count) CARGOBAY_NONBLOCKING {
   Taken taken;
   std::optional<Piece> rest;
   std::size_t begin = 0;
@@ -76,13 +75,13 @@ Outgoing::Taken Outgoing::took(std::size_t count) noexcept CARGOBAY_NONBLOCKING 
   return taken;
 }
 
-void Outgoing::clear() noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::clear() CARGOBAY_NONBLOCKING {
   bytes_.clear();
   pieces_.clear();
   begins_with_rest_ = false;
 }
 
-void Outgoing::note(const Piece& piece, Taken& taken) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::note(const Piece& piece, Taken& taken) CARGOBAY_NONBLOCKING {
   if (piece.kind == Kind::drive) {
     taken.drive = true;
     taken.speeds = piece.speeds;
@@ -95,7 +94,7 @@ void Outgoing::note(const Piece& piece, Taken& taken) noexcept CARGOBAY_NONBLOCK
 }
 
 // Leaves of all only what is behind `from` of this piece.
-void Outgoing::keep(Piece piece, std::size_t from) noexcept CARGOBAY_NONBLOCKING {
+void Outgoing::keep(Piece piece, std::size_t from) CARGOBAY_NONBLOCKING {
   const auto old = bytes_;
   clear();
   (void)bytes_.append(std::span{old}.subspan(from, piece.end - from));  // less than there was

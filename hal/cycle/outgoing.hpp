@@ -34,25 +34,25 @@ class Outgoing {
   };
 
   // DriveDirect in whole mm/s, within the robot's range.
-  void add_drive(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING;
-  void add_list(FrameList list) noexcept CARGOBAY_NONBLOCKING;
+  void add_drive(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
+  void add_list(FrameList list) CARGOBAY_NONBLOCKING;
   // Completes whatever command the robot may have got the beginning of: 0 is no speed where it is
   // data, and no command where it is an opcode. At most kMostFill.
   static constexpr std::size_t kMostFill = 160;
-  void add_fill(std::size_t zeros) noexcept CARGOBAY_NONBLOCKING;
+  void add_fill(std::size_t zeros) CARGOBAY_NONBLOCKING;
   // Safe or Full.
-  void add_mode(oi::Mode mode) noexcept CARGOBAY_NONBLOCKING;
+  void add_mode(oi::Mode mode) CARGOBAY_NONBLOCKING;
   // A whole command, as encoded; at most Request::kMostBytes.
-  void add_request(std::span<const std::uint8_t> command) noexcept CARGOBAY_NONBLOCKING;
+  void add_request(std::span<const std::uint8_t> command) CARGOBAY_NONBLOCKING;
 
   // All of it, the rest of the former write first.
-  std::span<const std::uint8_t> bytes() const noexcept CARGOBAY_NONBLOCKING { return bytes_; }
-  bool empty() const noexcept CARGOBAY_NONBLOCKING { return bytes_.empty(); }
+  std::span<const std::uint8_t> bytes() const CARGOBAY_NONBLOCKING { return bytes_; }
+  bool empty() const CARGOBAY_NONBLOCKING { return bytes_.empty(); }
   // Whether a DriveDirect is in it, or the rest of one.
-  bool drives() const noexcept CARGOBAY_NONBLOCKING;
+  bool drives() const CARGOBAY_NONBLOCKING;
 
   // The port took the first `count` bytes. Only the rest of a command that it took in part is left.
-  Taken took(std::size_t count) noexcept CARGOBAY_NONBLOCKING;
+  Taken took(std::size_t count) CARGOBAY_NONBLOCKING;
 
  private:
   enum class Kind : std::uint8_t { drive, list, mode, fill, request };
@@ -67,14 +67,14 @@ class Outgoing {
   static constexpr std::size_t kMostPieces = 6;  // a rest, and one of each kind
 
   template <typename Encoded>
-  void add(const Piece& piece, const Encoded& encoded) noexcept CARGOBAY_NONBLOCKING {
+  void add(const Piece& piece, const Encoded& encoded) CARGOBAY_NONBLOCKING {
     if (encoded.has_value()) append(piece, *encoded);  // by construction it can be encoded
   }
-  void append(Piece piece, std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING;
+  void append(Piece piece, std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING;
 
-  static void note(const Piece& piece, Taken& taken) noexcept CARGOBAY_NONBLOCKING;
-  void clear() noexcept CARGOBAY_NONBLOCKING;
-  void keep(Piece piece, std::size_t from) noexcept CARGOBAY_NONBLOCKING;
+  static void note(const Piece& piece, Taken& taken) CARGOBAY_NONBLOCKING;
+  void clear() CARGOBAY_NONBLOCKING;
+  void keep(Piece piece, std::size_t from) CARGOBAY_NONBLOCKING;
 
   // The rest may be that of the longest request, or of a fill.
   static constexpr std::size_t kMostRestBytes = std::max(Request::kMostBytes, kMostFill);

@@ -22,12 +22,12 @@ class Setpoint {
   explicit Setpoint(rt::Duration lapse) : lapse_{lapse} {}
 
   // False, and nothing changed, for speeds that the cell refuses.
-  [[nodiscard]] bool put(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+  [[nodiscard]] bool put(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
     return cell_.put(speeds);
   }
 
   // Once a tick. One that has lapsed stays so until the next put().
-  Age see(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+  Age see(rt::TimePoint now) CARGOBAY_NONBLOCKING {
     const std::uint32_t serial = cell_.get().serial;
     if (serial != serial_) {
       serial_ = serial;
@@ -40,9 +40,9 @@ class Setpoint {
     return Age::lapses;
   }
   // While it is alive.
-  rt::WheelSpeeds speeds() const noexcept CARGOBAY_NONBLOCKING { return cell_.get().speeds; }
+  rt::WheelSpeeds speeds() const CARGOBAY_NONBLOCKING { return cell_.get().speeds; }
   // What was set by now counts no longer.
-  void drop() noexcept CARGOBAY_NONBLOCKING {
+  void drop() CARGOBAY_NONBLOCKING {
     serial_ = cell_.get().serial;
     alive_ = false;
   }

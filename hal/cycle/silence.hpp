@@ -26,25 +26,23 @@ class Silence {
   explicit Silence(const Limits& limits) : limits_{limits} {}
 
   // For so long from the next pass on, silence is no lost link. The wheels get their stop.
-  void announce(rt::Duration duration) noexcept CARGOBAY_NONBLOCKING {
+  void announce(rt::Duration duration) CARGOBAY_NONBLOCKING {
     // Relaxed: the word carries all there is to know, and only the control thread looks at a clock.
     announced_.store(duration, std::memory_order_relaxed);
   }
   // Each pass.
-  void take_up_announced(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+  void take_up_announced(rt::TimePoint now) CARGOBAY_NONBLOCKING {
     if (announced_.load(std::memory_order_relaxed) == kNoneAnnounced) return;
     expected_until_ = now + announced_.exchange(kNoneAnnounced, std::memory_order_relaxed);
   }
 
   // Waiting begins; nothing was heard yet.
-  void begin(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
-    deadline_ = now + limits_.stop_after;
-  }
-  rt::TimePoint deadline() const noexcept CARGOBAY_NONBLOCKING { return deadline_; }
+  void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { deadline_ = now + limits_.stop_after; }
+  rt::TimePoint deadline() const CARGOBAY_NONBLOCKING { return deadline_; }
 
   // A frame is here, and the next is due by `deadline`. Returns whether the wheels were stopped
   // meanwhile.
-  bool end(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING {
+  bool end(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
     const bool stopped = stopped_;
     deadline_ = deadline;
     stopped_ = false;
@@ -52,7 +50,7 @@ class Silence {
     return stopped;
   }
   // The deadline is over; the next is a tick later.
-  Due deadline_passed(rt::TimePoint now, rt::TimePoint last_arrival) noexcept CARGOBAY_NONBLOCKING {
+  Due deadline_passed(rt::TimePoint now, rt::TimePoint last_arrival) CARGOBAY_NONBLOCKING {
     deadline_ += limits_.tick;
     const rt::Duration silence = now - last_arrival;
     if (silence >= limits_.link_timeout && now >= expected_until_) return Due::link_lost;
@@ -62,8 +60,8 @@ class Silence {
   }
 
   // A stop that the port has not taken whole.
-  bool owes_stop() const noexcept CARGOBAY_NONBLOCKING { return stop_owed_; }
-  void owe_stop(bool owed) noexcept CARGOBAY_NONBLOCKING { stop_owed_ = owed; }
+  bool owes_stop() const CARGOBAY_NONBLOCKING { return stop_owed_; }
+  void owe_stop(bool owed) CARGOBAY_NONBLOCKING { stop_owed_ = owed; }
 
  private:
   static constexpr rt::Duration kNoneAnnounced = rt::Duration::min();

@@ -14,7 +14,7 @@ constexpr std::size_t kMostOfAFrame = kFrameBytes + 2;
 
 }  // namespace
 
-TickLedger::Account TickLedger::book(const Arrival& arrival) noexcept CARGOBAY_NONBLOCKING {
+TickLedger::Account TickLedger::book(const Arrival& arrival) CARGOBAY_NONBLOCKING {
   Account account;
   counters_.good += static_cast<std::uint64_t>(arrival.frames);
   const std::uint64_t damaged = newly_damaged(arrival, account);
@@ -34,7 +34,7 @@ TickLedger::Account TickLedger::book(const Arrival& arrival) noexcept CARGOBAY_N
 }
 
 // The ticks since the last arrival: their frames are here, bad, lost or still to come.
-void TickLedger::settle(const Arrival& arrival, Account& account) noexcept CARGOBAY_NONBLOCKING {
+void TickLedger::settle(const Arrival& arrival, Account& account) CARGOBAY_NONBLOCKING {
   const std::int64_t before = clock_.ticks() + clock_.missing();
   account.lost = clock_.arrived(arrival.time, arrival.frames, damaged_);
   const std::int64_t passed = clock_.ticks() + clock_.missing() - before;
@@ -60,8 +60,8 @@ void TickLedger::settle(const Arrival& arrival, Account& account) noexcept CARGO
 // Frames that were seen to be no good since the last one that was. One whose header is damaged
 // shows by its bytes alone, as long as they are no more than those of the frames that are missing:
 // a robot says other things too, and if nobody asked it to it may have misheard a command.
-std::uint64_t TickLedger::newly_damaged(const Arrival& arrival,
-                                        Account& account) noexcept CARGOBAY_NONBLOCKING {
+std::uint64_t TickLedger::newly_damaged(const Arrival& arrival, Account& account)
+    CARGOBAY_NONBLOCKING {
   const std::uint64_t skipped =
       arrival.bytes.skipped - std::exchange(skipped_, arrival.bytes.skipped);
   if (skipped == 0) return arrival.corrupt;
@@ -72,23 +72,23 @@ std::uint64_t TickLedger::newly_damaged(const Arrival& arrival,
 }
 
 // Frames that were given up are here. Of the bad ones, what looked like their remains was noise.
-void TickLedger::take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING {
+void TickLedger::take_back(std::uint64_t frames) CARGOBAY_NONBLOCKING {
   const std::uint64_t lost = std::min(frames, counters_.lost);
   counters_.lost -= lost;
   counters_.bad -= frames - lost;
 }
 
 // Of the robot, that passed since the last frame. For a deadline that is over.
-std::int64_t TickLedger::silent_ticks(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING {
+std::int64_t TickLedger::silent_ticks(rt::TimePoint now) const CARGOBAY_NONBLOCKING {
   return (now - clock_.expected()) / tick_ + 1;
 }
 
-int TickLedger::foresee(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+int TickLedger::foresee(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   if (clock_.started()) foreseen_ = static_cast<int>(silent_ticks(now));
   return foreseen_;
 }
 
-void TickLedger::close(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+void TickLedger::close(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   if (!clock_.started()) return;
   const auto due = static_cast<std::uint64_t>(clock_.missing() + silent_ticks(now));
   const std::uint64_t bad = std::min(damaged_, due);

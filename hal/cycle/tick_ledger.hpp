@@ -36,37 +36,34 @@ class TickLedger {
       : counters_{counters}, clock_{tick}, tick_{tick}, late_margin_{late_margin} {}
 
   // Waiting begins.
-  void begin(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING { last_arrival_ = now; }
+  void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_arrival_ = now; }
 
   // Books an arrival. With the first one counting starts.
-  Account book(const Arrival& arrival) noexcept CARGOBAY_NONBLOCKING;
+  Account book(const Arrival& arrival) CARGOBAY_NONBLOCKING;
 
   // A silence: from now on the robot is taken to obey nothing. How many of its ticks that makes, 0
   // before the first frame.
-  int foresee(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
+  int foresee(rt::TimePoint now) CARGOBAY_NONBLOCKING;
   // The link is lost, and with it every frame that was due by now.
-  void close(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
+  void close(rt::TimePoint now) CARGOBAY_NONBLOCKING;
 
-  const rt::TickClock& clock() const noexcept CARGOBAY_NONBLOCKING { return clock_; }
-  rt::TimePoint last_arrival() const noexcept CARGOBAY_NONBLOCKING { return last_arrival_; }
+  const rt::TickClock& clock() const CARGOBAY_NONBLOCKING { return clock_; }
+  rt::TimePoint last_arrival() const CARGOBAY_NONBLOCKING { return last_arrival_; }
   // The deadline of the next frame.
-  rt::TimePoint deadline() const noexcept CARGOBAY_NONBLOCKING {
-    return clock_.expected() + late_margin_;
-  }
+  rt::TimePoint deadline() const CARGOBAY_NONBLOCKING { return clock_.expected() + late_margin_; }
   // Of the frame that was booked last: behind its time by more than the margin, or with others.
-  bool late() const noexcept CARGOBAY_NONBLOCKING { return late_; }
+  bool late() const CARGOBAY_NONBLOCKING { return late_; }
   // The same frame: alone, and not more than `margin` behind its time, for certain.
-  bool on_time(rt::Duration margin) const noexcept CARGOBAY_NONBLOCKING {
+  bool on_time(rt::Duration margin) const CARGOBAY_NONBLOCKING {
     return clock_.knows_phase() && frames_ == 1 &&
            last_arrival_ - clock_.due_by(last_arrival_ + margin) <= margin;
   }
 
  private:
-  void settle(const Arrival& arrival, Account& account) noexcept CARGOBAY_NONBLOCKING;
-  std::uint64_t newly_damaged(const Arrival& arrival,
-                              Account& account) noexcept CARGOBAY_NONBLOCKING;
-  void take_back(std::uint64_t frames) noexcept CARGOBAY_NONBLOCKING;
-  std::int64_t silent_ticks(rt::TimePoint now) const noexcept CARGOBAY_NONBLOCKING;
+  void settle(const Arrival& arrival, Account& account) CARGOBAY_NONBLOCKING;
+  std::uint64_t newly_damaged(const Arrival& arrival, Account& account) CARGOBAY_NONBLOCKING;
+  void take_back(std::uint64_t frames) CARGOBAY_NONBLOCKING;
+  std::int64_t silent_ticks(rt::TimePoint now) const CARGOBAY_NONBLOCKING;
 
   FrameCounters& counters_;
   rt::TickClock clock_;

@@ -13,7 +13,7 @@
 namespace cargobay::hal {
 
 // False also for what is no number.
-inline bool within_range(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+inline bool within_range(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   constexpr double kMost = oi::kMaxWheelSpeed;
   return std::abs(speeds.left_mm_s) <= kMost && std::abs(speeds.right_mm_s) <= kMost;
 }
@@ -35,9 +35,9 @@ class UserControl {
   explicit UserControl(const Limits& limits) : limits_{limits} {}
 
   void set(const ControlFunction& control) { control_ = control; }
-  bool is_set() const noexcept CARGOBAY_NONBLOCKING { return control_.function != nullptr; }
+  bool is_set() const CARGOBAY_NONBLOCKING { return control_.function != nullptr; }
 
-  Answer ask(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  Answer ask(const CycleState& state) CARGOBAY_NONBLOCKING {
     const double seconds = static_cast<double>(state.tick) * rt::seconds(limits_.tick);
     const rt::WheelSpeeds speeds = control_.function(control_.context, state, seconds);
     const bool sane = within_range(speeds);
@@ -48,12 +48,12 @@ class UserControl {
   }
 
   // Once a tick. Whether the call took longer than it may.
-  bool over_budget(rt::Duration took) noexcept CARGOBAY_NONBLOCKING {
+  bool over_budget(rt::Duration took) CARGOBAY_NONBLOCKING {
     const bool over = is_set() && took > limits_.budget;
     overruns_in_a_row_ = over ? overruns_in_a_row_ + 1 : 0;
     return over;
   }
-  bool too_many_overruns() const noexcept CARGOBAY_NONBLOCKING {
+  bool too_many_overruns() const CARGOBAY_NONBLOCKING {
     return overruns_in_a_row_ > limits_.overruns_allowed;
   }
 

@@ -32,7 +32,7 @@ class PortDescriptor {
   PortDescriptor(const PortDescriptor&) = delete;
   PortDescriptor& operator=(const PortDescriptor&) = delete;
 
-  int number() const noexcept CARGOBAY_NONBLOCKING { return number_; }
+  int number() const CARGOBAY_NONBLOCKING { return number_; }
   // Whether the number still is the port's. One system call.
   bool still_open() const noexcept;
 

@@ -50,7 +50,7 @@ bool is_lost(char state, rt::Duration silent) noexcept {
 
 }  // namespace
 
-GuardMark::Robot GuardMark::look_after_guard(rt::Duration silent) noexcept CARGOBAY_NONBLOCKING {
+GuardMark::Robot GuardMark::look_after_guard(rt::Duration silent) CARGOBAY_NONBLOCKING {
   const bool lost = rt::unchecked([&]() noexcept { return is_lost(state_of(guard_), silent); });
   if (!lost) return Robot::ours;
   // One that is woken now finds that the robot is being left.

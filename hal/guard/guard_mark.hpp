@@ -27,7 +27,7 @@ class GuardMark {
     unguarded,  // the guard is dead or suspended: the robot is to be stopped, and is still ours
   };
   // Once a pass of the loop.
-  [[nodiscard]] Robot beat(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+  [[nodiscard]] Robot beat(rt::TimePoint now) CARGOBAY_NONBLOCKING {
     if (block_ == nullptr) return Robot::ours;
     const std::int64_t now_ns = rt::nanoseconds(now);
     block_->beat_ns.store(now_ns, std::memory_order_relaxed);
@@ -42,7 +42,7 @@ class GuardMark {
   // Around each write. False, and nothing may be written, where the guard has taken the robot; one
   // that takes it between this and the write has made it Passive before, where it obeys no drive
   // command.
-  [[nodiscard]] bool begin_write(std::size_t bytes) noexcept CARGOBAY_NONBLOCKING {
+  [[nodiscard]] bool begin_write(std::size_t bytes) CARGOBAY_NONBLOCKING {
     if (block_ == nullptr) return true;
     // The kernel orders it before what a guard reads after this thread's death.
     block_->in_writing.store(static_cast<std::uint32_t>(bytes), std::memory_order_release);
@@ -50,7 +50,7 @@ class GuardMark {
     return state == GuardState::driving || state == GuardState::guard_lost;
   }
   // All of it was written. Where that failed the robot may still wait for the rest.
-  void end_write() noexcept CARGOBAY_NONBLOCKING {
+  void end_write() CARGOBAY_NONBLOCKING {
     if (block_ != nullptr) block_->in_writing.store(0, std::memory_order_release);
   }
 
@@ -58,7 +58,7 @@ class GuardMark {
   // Three of the guard's beats, and no tick of the loop more than 100 ms allow.
   static constexpr rt::Duration kSuspicious = 3 * kGuardBeat;
 
-  Robot look_after_guard(rt::Duration silent) noexcept CARGOBAY_NONBLOCKING;
+  Robot look_after_guard(rt::Duration silent) CARGOBAY_NONBLOCKING;
 
   GuardBlock* block_ = nullptr;
   pid_t guard_ = 0;

@@ -18,7 +18,7 @@ class GuardPort final : public TtyStream {
   explicit GuardPort(GuardBlock& block)
       : TtyStream{GuardBlock::kPort, speed(block), nullptr}, block_{block} {}
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     for (;;) {
       block_.guard_beat_ns.store(rt::nanoseconds(now()), std::memory_order_relaxed);
       const Wait woken = TtyStream::wait(std::min<rt::TimePoint>(deadline, now() + kSlice));

@@ -31,7 +31,7 @@ void choose_processors(Settings& settings) {
   }
 }
 
-void Recorder::take(const Instants& frame) noexcept CARGOBAY_NONBLOCKING {
+void Recorder::take(const Instants& frame) CARGOBAY_NONBLOCKING {
   const bool warm = frames_ >= warm_up_;
   ++frames_;
   if (warm) {
@@ -57,7 +57,7 @@ void Recorder::take(const Instants& frame) noexcept CARGOBAY_NONBLOCKING {
   last_ns_ = frame.at(measured_.headline);
 }
 
-void Recorder::headline(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+void Recorder::headline(std::uint64_t value) CARGOBAY_NONBLOCKING {
   constexpr std::uint64_t kMost = 0xffff'ffffU;
   measured_.raw.record(value);
   std::vector<std::uint32_t>& slice = measured_.slices.back().headline_ns;

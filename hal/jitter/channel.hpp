@@ -73,10 +73,10 @@ struct Instants {
   std::array<std::int64_t, kStages.size()> stage_ns{};
   std::uint32_t missed = 0;  // frames before it that nobody answered: this answer is theirs too
 
-  std::int64_t at(Stage stage) const noexcept CARGOBAY_NONBLOCKING {
+  std::int64_t at(Stage stage) const CARGOBAY_NONBLOCKING {
     return stage_ns[static_cast<std::size_t>(stage)];
   }
-  void set(Stage stage, std::int64_t at_ns) noexcept CARGOBAY_NONBLOCKING {
+  void set(Stage stage, std::int64_t at_ns) CARGOBAY_NONBLOCKING {
     stage_ns[static_cast<std::size_t>(stage)] = at_ns;
   }
 };
@@ -86,12 +86,12 @@ class Recorder {
  public:
   // Begins a slice in `measured`, which outlives it; allocates for all its frames.
   Recorder(Measured& measured, const Settings& settings);
-  void take(const Instants& frame) noexcept CARGOBAY_NONBLOCKING;
+  void take(const Instants& frame) CARGOBAY_NONBLOCKING;
   // A frame that nobody answered, and no answer behind it.
-  void miss() noexcept CARGOBAY_NONBLOCKING { ++measured_.missed; }
+  void miss() CARGOBAY_NONBLOCKING { ++measured_.missed; }
 
  private:
-  void headline(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING;
+  void headline(std::uint64_t value) CARGOBAY_NONBLOCKING;
 
   Measured& measured_;
   std::size_t warm_up_;

@@ -8,9 +8,9 @@
 #include <cerrno>
 #include <system_error>
 
-#include "hal/sensing/frame_lists.hpp"
 #include "hal/jitter/line_slice.hpp"
 #include "hal/port/pty_transport.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "hal/sim/line/pty_port.hpp"
 #include "oi/commands.hpp"
 #include "oi/encode.hpp"

@@ -17,8 +17,8 @@ namespace {
 constexpr std::int64_t kRobotBaud = 57600;
 
 // The wheels of nobody: a speed that changes, so that no branch is left out.
-rt::WheelSpeeds decide(void* context, const CycleState& state,
-                       double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds decide(void* context, const CycleState& state, double /*seconds*/)
+    CARGOBAY_NONBLOCKING {
   auto& stamps = *static_cast<Stamps*>(context);
   const std::int64_t now =
       rt::unchecked([]() noexcept { return rt::nanoseconds(rt::Clock::now()); });

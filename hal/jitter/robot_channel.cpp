@@ -28,14 +28,14 @@ class Books {
   ControlCycle* cycle = nullptr;
   const std::atomic<bool>* stop = nullptr;
 
-  static rt::WheelSpeeds decide(void* context, const CycleState& /*state*/,
-                                double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds decide(void* context, const CycleState& /*state*/, double /*seconds*/)
+      CARGOBAY_NONBLOCKING {
     static_cast<Books*>(context)->next();
     return {};
   }
 
  private:
-  void next() noexcept CARGOBAY_NONBLOCKING {
+  void next() CARGOBAY_NONBLOCKING {
     const std::int64_t now =
         rt::unchecked([]() noexcept { return rt::nanoseconds(rt::Clock::now()); });
     if (frame_.complete_ns != 0) book();
@@ -51,7 +51,7 @@ class Books {
     if (frames_left_ == 0 || stop->load(std::memory_order_relaxed)) return cycle->request_stop();
     --frames_left_;
   }
-  void book() noexcept CARGOBAY_NONBLOCKING {
+  void book() CARGOBAY_NONBLOCKING {
     frame_.set(Stage::written, stamps_.written_ns.load(std::memory_order_relaxed));
     if (wire_ != nullptr) {
       const std::int64_t arrived = wire_->arrived_ns.load(std::memory_order_relaxed);

@@ -13,12 +13,12 @@ class StampedStream final : public ForwardingStream {
   StampedStream(ByteStream& stream, Stamps& stamps, std::uint32_t baud)
       : ForwardingStream{stream}, stamps_{stamps}, baud_{baud} {}
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     const Wait woken = stream().wait(deadline);
     stamps_.woken_ns.store(rt::nanoseconds(stream().now()), std::memory_order_relaxed);
     return woken;
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     const Transfer transfer = stream().write(bytes);
     stamps_.written_ns.store(rt::nanoseconds(stream().now()), std::memory_order_relaxed);
     // Pairs with the source's load: the stamps before it are this answer's.

@@ -25,7 +25,7 @@ bool hardware_is_empty(int descriptor) {
 }  // namespace
 
 // The one place where the control thread sleeps.
-ByteStream::Wait TtyStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING {
+ByteStream::Wait TtyStream::wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
   return rt::unchecked([this, deadline]() noexcept {
     for (;;) {
       const rt::Duration left = std::max(deadline - rt::Clock::now(), rt::Duration::zero());
@@ -41,7 +41,7 @@ ByteStream::Wait TtyStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBL
   });
 }
 
-ByteStream::Transfer TtyStream::read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
+ByteStream::Transfer TtyStream::read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   return rt::unchecked([this, bytes]() noexcept -> Transfer {
     const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
     if (count >= 0) return {.count = static_cast<std::size_t>(count)};
@@ -49,8 +49,7 @@ ByteStream::Transfer TtyStream::read(std::span<std::uint8_t> bytes) noexcept CAR
   });
 }
 
-ByteStream::Transfer TtyStream::write(std::span<const std::uint8_t> bytes) noexcept
-    CARGOBAY_NONBLOCKING {
+ByteStream::Transfer TtyStream::write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   return rt::unchecked([this, bytes]() noexcept -> Transfer {
     const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
     if (count >= 0) return {.count = static_cast<std::size_t>(count)};
@@ -58,11 +57,11 @@ ByteStream::Transfer TtyStream::write(std::span<const std::uint8_t> bytes) noexc
   });
 }
 
-rt::TimePoint TtyStream::now() const noexcept CARGOBAY_NONBLOCKING {
+rt::TimePoint TtyStream::now() const CARGOBAY_NONBLOCKING {
   return rt::unchecked([]() noexcept { return rt::Clock::now(); });
 }
 
-bool TtyStream::still_open() const noexcept CARGOBAY_NONBLOCKING {
+bool TtyStream::still_open() const CARGOBAY_NONBLOCKING {
   return rt::unchecked([this]() noexcept { return !lock_ || lock_->still_open(); });
 }
 

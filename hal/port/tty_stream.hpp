@@ -13,11 +13,11 @@ namespace cargobay::hal {
 
 class TtyStream : public ByteStream {
  public:
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
-  bool still_open() const noexcept CARGOBAY_NONBLOCKING override;
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override;
+  bool still_open() const CARGOBAY_NONBLOCKING override;
 
   Terminal terminal() const override { return {.descriptor = descriptor_, .lock = lock_.get()}; }
   std::uint32_t baud() const override { return baud_; }

@@ -12,16 +12,15 @@ constexpr std::size_t kLeastBytes = std::size_t{64} << 10U;
 constexpr std::size_t kWordBytes = sizeof(std::uint64_t);
 constexpr std::size_t kMostShortBytes = 10;
 
-constexpr std::uint64_t words_of(std::uint64_t bytes) noexcept CARGOBAY_NONBLOCKING {
+constexpr std::uint64_t words_of(std::uint64_t bytes) CARGOBAY_NONBLOCKING {
   return (bytes + kWordBytes - 1) / kWordBytes;
 }
 
 // The first word of a block.
-constexpr std::uint64_t head(std::uint32_t number,
-                             std::uint64_t length) noexcept CARGOBAY_NONBLOCKING {
+constexpr std::uint64_t head(std::uint32_t number, std::uint64_t length) CARGOBAY_NONBLOCKING {
   return std::uint64_t{number} << 32U | length;
 }
-constexpr std::uint64_t length_of(std::uint64_t head) noexcept CARGOBAY_NONBLOCKING {
+constexpr std::uint64_t length_of(std::uint64_t head) CARGOBAY_NONBLOCKING {
   return head & 0xFFFFFFFFU;
 }
 
@@ -30,20 +29,19 @@ constexpr std::uint64_t length_of(std::uint64_t head) noexcept CARGOBAY_NONBLOCK
 FlightRecorder::FlightRecorder(std::size_t bytes)
     : words_(std::bit_ceil(std::max(bytes, kLeastBytes)) / kWordBytes), mask_{words_.size() - 1} {}
 
-void FlightRecorder::waited(ByteStream::Wait outcome) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::waited(ByteStream::Wait outcome) CARGOBAY_NONBLOCKING {
   close_block();
   begin(EntryKind::waited, 1);
   put(static_cast<std::uint8_t>(outcome));
 }
 
-void FlightRecorder::clock(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::clock(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   begin(EntryKind::clock, kMostShortBytes);
   put_short(static_cast<std::uint64_t>((now - time_).count()));
   time_ = now;
 }
 
-void FlightRecorder::read(std::span<const std::uint8_t> bytes,
-                          int error) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::read(std::span<const std::uint8_t> bytes, int error) CARGOBAY_NONBLOCKING {
   assert(bytes.size() <= kMostTransferBytes);
   begin(EntryKind::read, 2 * kMostShortBytes + bytes.size());
   put_short(static_cast<std::uint32_t>(error));
@@ -51,8 +49,8 @@ void FlightRecorder::read(std::span<const std::uint8_t> bytes,
   put(bytes);
 }
 
-void FlightRecorder::wrote(std::span<const std::uint8_t> offered,
-                           ByteStream::Transfer transfer) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::wrote(std::span<const std::uint8_t> offered, ByteStream::Transfer transfer)
+    CARGOBAY_NONBLOCKING {
   assert(offered.size() <= kMostTransferBytes);
   begin(EntryKind::wrote, 3 * kMostShortBytes + offered.size());
   put_short(static_cast<std::uint32_t>(transfer.error));
@@ -61,7 +59,7 @@ void FlightRecorder::wrote(std::span<const std::uint8_t> offered,
   put(offered);
 }
 
-void FlightRecorder::state(const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::state(const CycleState& state) CARGOBAY_NONBLOCKING {
   constexpr std::size_t kMostBytes = kMostShortBytes + 15 + 4 * 2 * sizeof(double);
   begin(EntryKind::state, kMostBytes);
   put_short(static_cast<std::uint64_t>((time_ - state.arrival).count()));
@@ -77,7 +75,7 @@ void FlightRecorder::state(const CycleState& state) noexcept CARGOBAY_NONBLOCKIN
   close_block();
 }
 
-void FlightRecorder::asked(const Request& request) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::asked(const Request& request) CARGOBAY_NONBLOCKING {
   constexpr std::size_t kMostBytes = 3 + kMostShortBytes + Request::kMostBytes + 3 * sizeof(double);
   begin(EntryKind::asked, kMostBytes);
   put(static_cast<std::uint8_t>(request.kind));
@@ -91,51 +89,51 @@ void FlightRecorder::asked(const Request& request) noexcept CARGOBAY_NONBLOCKING
 }
 
 StateObserver FlightRecorder::observer() {
-  constexpr auto kSee = [](void* recorder, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  constexpr auto kSee = [](void* recorder, const CycleState& state) CARGOBAY_NONBLOCKING {
     static_cast<FlightRecorder*>(recorder)->state(state);
   };
-  constexpr auto kHear = [](void* recorder, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+  constexpr auto kHear = [](void* recorder, const Request& request) CARGOBAY_NONBLOCKING {
     static_cast<FlightRecorder*>(recorder)->asked(request);
   };
   return {.function = kSee, .context = this, .request = kHear};
 }
 
-void FlightRecorder::ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::ended(CycleEnd end) CARGOBAY_NONBLOCKING {
   begin(EntryKind::ended, 1);
   put(static_cast<std::uint8_t>(end));
   close_block();
 }
 
 // Any entry fits into an empty block.
-void FlightRecorder::begin(EntryKind kind, std::size_t most_bytes) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::begin(EntryKind kind, std::size_t most_bytes) CARGOBAY_NONBLOCKING {
   if (entries_.size() + 1 + most_bytes > kMostBlockBytes) close_block();
   put(static_cast<std::uint8_t>(kind));
 }
 
-void FlightRecorder::put(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::put(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   [[maybe_unused]] const bool fits = entries_.append(bytes);
   assert(fits);  // begin() saw to it
 }
 
-void FlightRecorder::put(std::uint8_t byte) noexcept CARGOBAY_NONBLOCKING { put({&byte, 1}); }
+void FlightRecorder::put(std::uint8_t byte) CARGOBAY_NONBLOCKING { put({&byte, 1}); }
 
-void FlightRecorder::put_short(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::put_short(std::uint64_t value) CARGOBAY_NONBLOCKING {
   for (std::size_t i = 1; i < kMostShortBytes && value >= 0x80; ++i, value >>= 7U) {
     put(static_cast<std::uint8_t>(value | 0x80U));
   }
   put(static_cast<std::uint8_t>(value));
 }
 
-void FlightRecorder::put(double value) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::put(double value) CARGOBAY_NONBLOCKING {
   put(little_endian(std::bit_cast<std::uint64_t>(value)));
 }
 
-void FlightRecorder::put(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::put(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   put(speeds.left_mm_s);
   put(speeds.right_mm_s);
 }
 
-void FlightRecorder::close_block() noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::close_block() CARGOBAY_NONBLOCKING {
   if (entries_.empty()) return;
   const std::uint64_t words = kHeadWords + words_of(entries_.size());
   make_room(words);
@@ -156,7 +154,7 @@ void FlightRecorder::close_block() noexcept CARGOBAY_NONBLOCKING {
 }
 
 // Gives up the oldest blocks until so many words are free.
-void FlightRecorder::make_room(std::uint64_t words) noexcept CARGOBAY_NONBLOCKING {
+void FlightRecorder::make_room(std::uint64_t words) CARGOBAY_NONBLOCKING {
   const std::uint64_t needed = end_.load(std::memory_order_relaxed) + words;
   std::uint64_t oldest = oldest_.load(std::memory_order_relaxed);
   while (needed - oldest > words_.size()) {  // at most once for each two of the words

@@ -33,19 +33,19 @@ class FlightRecorder {
   // From the control thread, in the order of what happened. waited() begins a block and state()
   // ends one, so that the work for it comes behind the command; then readers can see it. At most
   // kMostTransferBytes in a read or write.
-  void waited(ByteStream::Wait outcome) noexcept CARGOBAY_NONBLOCKING;
-  void clock(rt::TimePoint now) noexcept CARGOBAY_NONBLOCKING;
-  void read(std::span<const std::uint8_t> bytes, int error) noexcept CARGOBAY_NONBLOCKING;
-  void wrote(std::span<const std::uint8_t> offered,
-             ByteStream::Transfer transfer) noexcept CARGOBAY_NONBLOCKING;
-  void state(const CycleState& state) noexcept CARGOBAY_NONBLOCKING;
-  void asked(const Request& request) noexcept CARGOBAY_NONBLOCKING;
+  void waited(ByteStream::Wait outcome) CARGOBAY_NONBLOCKING;
+  void clock(rt::TimePoint now) CARGOBAY_NONBLOCKING;
+  void read(std::span<const std::uint8_t> bytes, int error) CARGOBAY_NONBLOCKING;
+  void wrote(std::span<const std::uint8_t> offered, ByteStream::Transfer transfer)
+      CARGOBAY_NONBLOCKING;
+  void state(const CycleState& state) CARGOBAY_NONBLOCKING;
+  void asked(const Request& request) CARGOBAY_NONBLOCKING;
   // To be set in the cycle whose recorder this is; it calls state() and asked().
   StateObserver observer();
   // That the calls from the control thread touch, beside the recorder itself.
   std::span<const std::byte> memory() const { return std::as_bytes(std::span{words_}); }
   // The last; makes everything visible.
-  void ended(CycleEnd end) noexcept CARGOBAY_NONBLOCKING;
+  void ended(CycleEnd end) CARGOBAY_NONBLOCKING;
 
   // As in hal/recording/recording_format.hpp.
   struct Block {
@@ -65,16 +65,16 @@ class FlightRecorder {
  private:
   static constexpr std::uint64_t kHeadWords = 2;  // number and length, time
 
-  void begin(EntryKind kind, std::size_t most_bytes) noexcept CARGOBAY_NONBLOCKING;
-  void put(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING;
-  void put(std::uint8_t byte) noexcept CARGOBAY_NONBLOCKING;
-  void put_short(std::uint64_t value) noexcept CARGOBAY_NONBLOCKING;
-  void put(double value) noexcept CARGOBAY_NONBLOCKING;
-  void put(const rt::WheelSpeeds& speeds) noexcept CARGOBAY_NONBLOCKING;
-  void close_block() noexcept CARGOBAY_NONBLOCKING;
-  void make_room(std::uint64_t words) noexcept CARGOBAY_NONBLOCKING;
+  void begin(EntryKind kind, std::size_t most_bytes) CARGOBAY_NONBLOCKING;
+  void put(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING;
+  void put(std::uint8_t byte) CARGOBAY_NONBLOCKING;
+  void put_short(std::uint64_t value) CARGOBAY_NONBLOCKING;
+  void put(double value) CARGOBAY_NONBLOCKING;
+  void put(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
+  void close_block() CARGOBAY_NONBLOCKING;
+  void make_room(std::uint64_t words) CARGOBAY_NONBLOCKING;
 
-  std::atomic<std::uint64_t>& word(std::uint64_t position) noexcept CARGOBAY_NONBLOCKING {
+  std::atomic<std::uint64_t>& word(std::uint64_t position) CARGOBAY_NONBLOCKING {
     return words_[static_cast<std::size_t>(position & mask_)];
   }
   const std::atomic<std::uint64_t>& word(std::uint64_t position) const {

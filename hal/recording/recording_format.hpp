@@ -52,7 +52,7 @@ enum class EntryKind : std::uint8_t { waited = 1, clock, read, wrote, state, end
 std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t before = 0) noexcept;
 
 template <std::unsigned_integral T>
-constexpr std::array<std::uint8_t, sizeof(T)> little_endian(T value) noexcept CARGOBAY_NONBLOCKING {
+constexpr std::array<std::uint8_t, sizeof(T)> little_endian(T value) CARGOBAY_NONBLOCKING {
   std::array<std::uint8_t, sizeof(T)> bytes{};
   for (std::size_t i = 0; i < sizeof(T); ++i) bytes[i] = static_cast<std::uint8_t>(value >> 8 * i);
   return bytes;

@@ -4,21 +4,20 @@
 
 namespace cargobay::hal {
 
-ByteStream::Wait RecordingStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING {
+ByteStream::Wait RecordingStream::wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
   const Wait outcome = stream().wait(deadline);
   recorder_.waited(outcome);
   return outcome;
 }
 
-ByteStream::Transfer RecordingStream::read(std::span<std::uint8_t> bytes) noexcept
-    CARGOBAY_NONBLOCKING {
+ByteStream::Transfer RecordingStream::read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   const auto room = bytes.first(std::min(bytes.size(), kMostTransferBytes));
   const Transfer transfer = stream().read(room);
   recorder_.read(room.first(transfer.count), transfer.error);
   return transfer;
 }
 
-ByteStream::Transfer RecordingStream::write(std::span<const std::uint8_t> bytes) noexcept
+ByteStream::Transfer RecordingStream::write(std::span<const std::uint8_t> bytes)
     CARGOBAY_NONBLOCKING {
   const auto offered = bytes.first(std::min(bytes.size(), kMostTransferBytes));
   const Transfer transfer = stream().write(offered);
@@ -26,7 +25,7 @@ ByteStream::Transfer RecordingStream::write(std::span<const std::uint8_t> bytes)
   return transfer;
 }
 
-rt::TimePoint RecordingStream::now() const noexcept CARGOBAY_NONBLOCKING {
+rt::TimePoint RecordingStream::now() const CARGOBAY_NONBLOCKING {
   const rt::TimePoint now = stream().now();
   recorder_.clock(now);
   return now;

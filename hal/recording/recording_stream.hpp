@@ -13,11 +13,11 @@ class RecordingStream final : public ForwardingStream {
   RecordingStream(ByteStream& stream, FlightRecorder& recorder)
       : ForwardingStream{stream}, recorder_{recorder} {}
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
   // At most kMostTransferBytes at once, as of a port that has or takes no more.
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override;
 
  private:
   FlightRecorder& recorder_;

@@ -185,7 +185,7 @@ class ReplayStream final : public ByteStream {
     cycle.set_guard(GuardMark{guard_, 0});
   }
 
-  Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint /*deadline*/) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this] {
       Entry entry;
       if (!script_.take(EntryKind::waited, entry)) return Wait::hung_up;
@@ -199,7 +199,7 @@ class ReplayStream final : public ByteStream {
       return entry.wait;
     });
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([&]() -> Transfer {
       Entry entry;
       if (!script_.take(EntryKind::read, entry)) return {};
@@ -208,7 +208,7 @@ class ReplayStream final : public ByteStream {
       return entry.transfer;
     });
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([&]() -> Transfer {
       Entry entry;
       if (!script_.take(EntryKind::wrote, entry)) return {.count = bytes.size()};
@@ -216,7 +216,7 @@ class ReplayStream final : public ByteStream {
       return entry.transfer;
     });
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override {
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this] {
       Entry entry;
       return script_.take(EntryKind::clock, entry) ? entry.time : script_.time();
@@ -239,16 +239,16 @@ class ReplayStream final : public ByteStream {
   GuardBlock guard_{};  // nobody watches it
 };
 
-rt::WheelSpeeds wanted(void* context, const CycleState& /*state*/,
-                       double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds wanted(void* context, const CycleState& /*state*/, double /*seconds*/)
+    CARGOBAY_NONBLOCKING {
   return rt::unchecked([context] { return static_cast<const Script*>(context)->wanted(); });
 }
 
-void take_request(void* context, const Request& /*request*/) noexcept CARGOBAY_NONBLOCKING {
+void take_request(void* context, const Request& /*request*/) CARGOBAY_NONBLOCKING {
   rt::unchecked([&] { static_cast<Script*>(context)->take_request(); });
 }
 
-void compare(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+void compare(void* context, const CycleState& state) CARGOBAY_NONBLOCKING {
   rt::unchecked([&] { static_cast<Script*>(context)->compare(state); });
 }
 

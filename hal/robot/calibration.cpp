@@ -25,15 +25,15 @@ void Calibration::prepare(CycleParameters& parameters) {
   parameters.loop.estimator.remainder.reset();  // so that readings come in rows and in windows
 }
 
-double Calibration::duration_s() noexcept CARGOBAY_NONBLOCKING { return begin_of(kLegs.size()); }
+double Calibration::duration_s() CARGOBAY_NONBLOCKING { return begin_of(kLegs.size()); }
 
-double Calibration::begin_of(std::size_t leg) noexcept CARGOBAY_NONBLOCKING {
+double Calibration::begin_of(std::size_t leg) CARGOBAY_NONBLOCKING {
   double begin_s = kSettle;
   for (std::size_t i = 0; i < leg; ++i) begin_s += kLegs[i].drive_s + kSettle;
   return begin_s;
 }
 
-rt::WheelSpeeds Calibration::at(double seconds) const noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds Calibration::at(double seconds) const CARGOBAY_NONBLOCKING {
   double begin_s = kSettle;
   for (const Leg& leg : kLegs) {
     if (seconds >= begin_s && seconds < begin_s + leg.drive_s)

@@ -38,10 +38,10 @@ class Calibration {
 
   // How the cycle is to be set up for it: open loop, steps of the command.
   static void prepare(CycleParameters& parameters);
-  static double duration_s() noexcept CARGOBAY_NONBLOCKING;
+  static double duration_s() CARGOBAY_NONBLOCKING;
 
   // What the wheels shall do; from the control thread.
-  rt::WheelSpeeds at(double seconds) const noexcept CARGOBAY_NONBLOCKING;
+  rt::WheelSpeeds at(double seconds) const CARGOBAY_NONBLOCKING;
 
   // Each state of the drive, in order; from one thread.
   void see(const CycleState& state);
@@ -78,7 +78,7 @@ class Calibration {
   double likeliest_lag(rt::WheelEstimator::Parameters parameters) const;
   // What was gone between two instants of the pattern.
   Way between(const Ways& ways, double from_s, double to_s) const;
-  static double begin_of(std::size_t leg) noexcept CARGOBAY_NONBLOCKING;
+  static double begin_of(std::size_t leg) CARGOBAY_NONBLOCKING;
   std::optional<Failure> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;
   std::optional<Failure> measure_droop(const Ways& ways, CalibrationResult& result) const;
 

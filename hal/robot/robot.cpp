@@ -191,11 +191,11 @@ void Robot::note_end(CycleEnd end) {
 
 // Recorded first: whoever is woken may look.
 StateObserver Robot::observer() {
-  constexpr auto kSee = [](void* robot, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  constexpr auto kSee = [](void* robot, const CycleState& state) CARGOBAY_NONBLOCKING {
     static_cast<Robot*>(robot)->recorder_.state(state);
     static_cast<Robot*>(robot)->doorbell_.ring();
   };
-  constexpr auto kHear = [](void* robot, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+  constexpr auto kHear = [](void* robot, const Request& request) CARGOBAY_NONBLOCKING {
     static_cast<Robot*>(robot)->recorder_.asked(request);
   };
   return {.function = kSee, .context = this, .request = kHear};

@@ -71,12 +71,12 @@ std::string because(Hazards hazards) {
 
 }  // namespace
 
-Bumps bumps_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
+Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   constexpr auto kBoth = Bumps{}.with(oi::Bump::bump_left).with(oi::Bump::bump_right);
   return Bumps{static_cast<std::uint8_t>(frame.bumps_and_wheel_drops().raw() & kBoth.raw())};
 }
 
-Hazards hazards_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
+Hazards hazards_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   using Drop = oi::Bump;
   const auto drops = frame.bumps_and_wheel_drops();  // what the frame has not got reads 0
   Hazards found;

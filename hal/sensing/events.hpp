@@ -29,12 +29,12 @@ enum class Hazard : std::uint8_t {
 using Hazards = oi::BitSet<Hazard>;
 
 // What a frame tells of them; none where it has no packet that would.
-Hazards hazards_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+Hazards hazards_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
 
 // The bumper's two sides.
 using Bumps = oi::BitSet<oi::Bump>;
 // None where the frame has no packet that would tell.
-Bumps bumps_in(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
 
 enum class EventKind : std::uint8_t {
   mode_lost,     // by itself the robot left the mode it was driven in: `mode`, `hazards`

@@ -71,8 +71,7 @@ constexpr const oi::StreamList& packets(FrameList list) {
 }
 
 // The list that a frame with these values is of; nothing for any other frame of the same length.
-inline std::optional<FrameList> list_of(const oi::SensorValues& frame) noexcept
-    CARGOBAY_NONBLOCKING {
+inline std::optional<FrameList> list_of(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   using enum oi::PacketId;
   if (!frame.has(oi_mode)) return std::nullopt;
   if (frame.has(distance) && frame.has(charging_sources)) return FrameList::reading;

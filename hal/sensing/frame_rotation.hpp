@@ -24,14 +24,14 @@ class FrameRotation {
   static constexpr int kBatteryTicks = 64;
 
   // These have every other of the frames without counters, in turn, until it is said otherwise.
-  void stream(ExtraLists extras) noexcept CARGOBAY_NONBLOCKING { extras_ = extras; }
+  void stream(ExtraLists extras) CARGOBAY_NONBLOCKING { extras_ = extras; }
   // One frame of each of these, soon.
-  void look_at(ExtraLists extras) noexcept CARGOBAY_NONBLOCKING {
+  void look_at(ExtraLists extras) CARGOBAY_NONBLOCKING {
     once_ = ExtraLists{static_cast<std::uint8_t>(once_.raw() | extras.raw())};
   }
 
   // Once a tick. No allocation.
-  FrameList next(Counters counters) noexcept CARGOBAY_NONBLOCKING {
+  FrameList next(Counters counters) CARGOBAY_NONBLOCKING {
     ++ticks_since_battery_;
     if (counters != Counters::not_wanted && readings_in_a_row_ < most_readings(counters)) {
       ++readings_in_a_row_;
@@ -51,12 +51,12 @@ class FrameRotation {
   }
 
  private:
-  int most_readings(Counters counters) const noexcept CARGOBAY_NONBLOCKING {
+  int most_readings(Counters counters) const CARGOBAY_NONBLOCKING {
     const bool others_wait = extras_.any() || once_.any();
     return counters == Counters::welcome && others_wait ? 1 : kMostReadingsInARow;
   }
   // The one behind the last; `lists` is not empty.
-  ExtraList next_of(ExtraLists lists) noexcept CARGOBAY_NONBLOCKING {
+  ExtraList next_of(ExtraLists lists) CARGOBAY_NONBLOCKING {
     for (int i = 0; i < kExtraLists; ++i) {
       last_extra_ = (last_extra_ + 1) % kExtraLists;
       if (lists.has(static_cast<ExtraList>(last_extra_))) break;

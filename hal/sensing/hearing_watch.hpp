@@ -21,14 +21,14 @@ class HearingWatch {
   explicit HearingWatch(FrameList list) : told_{list}, before_{list}, seen_{list} {}
 
   // A list was sent, whole. The same one again proves nothing, unless the robot is found deaf.
-  void told(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+  void told(FrameList list) CARGOBAY_NONBLOCKING {
     const bool changes = list != told_;
     if (changes) before_ = told_;
     told_ = list;
     if ((changes || unheard_) && !awaited_) await(list);
   }
   // A good frame has come; nothing for one that is of none of our lists.
-  void see(std::optional<FrameList> list) noexcept CARGOBAY_NONBLOCKING {
+  void see(std::optional<FrameList> list) CARGOBAY_NONBLOCKING {
     strange_ = list == told_ || list == before_ ? 0 : strange_ + 1;
     if (list) seen_ = *list;
     if (!awaited_) return;
@@ -42,19 +42,19 @@ class HearingWatch {
     }
   }
   // A frame did not come whole: the awaited one, for all that is known.
-  void missed() noexcept CARGOBAY_NONBLOCKING { awaited_.reset(); }
+  void missed() CARGOBAY_NONBLOCKING { awaited_.reset(); }
 
   // The last frame was of a list that nobody asked for lately.
-  bool misheard() const noexcept CARGOBAY_NONBLOCKING { return strange_ > 0; }
+  bool misheard() const CARGOBAY_NONBLOCKING { return strange_ > 0; }
   // The robot takes commands for something else.
-  bool deaf() const noexcept CARGOBAY_NONBLOCKING { return unheard_ || strange_ > 1; }
+  bool deaf() const CARGOBAY_NONBLOCKING { return unheard_ || strange_ > 1; }
   // To be told to a deaf robot: a list that it does not stream now, so that hearing shows.
-  FrameList probe() const noexcept CARGOBAY_NONBLOCKING {
+  FrameList probe() const CARGOBAY_NONBLOCKING {
     return seen_ == FrameList::reading ? FrameList::hazards : FrameList::reading;
   }
 
  private:
-  void await(FrameList list) noexcept CARGOBAY_NONBLOCKING {
+  void await(FrameList list) CARGOBAY_NONBLOCKING {
     awaited_ = list;
     frames_ = 0;
   }

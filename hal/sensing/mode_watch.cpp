@@ -2,7 +2,7 @@
 
 namespace cargobay::hal {
 
-void ModeWatch::begin(State state) noexcept CARGOBAY_NONBLOCKING {
+void ModeWatch::begin(State state) CARGOBAY_NONBLOCKING {
   state_ = state;
   causes_ = {};
   frames_ = 0;
@@ -10,15 +10,14 @@ void ModeWatch::begin(State state) noexcept CARGOBAY_NONBLOCKING {
   saw_charger_ = false;
 }
 
-void ModeWatch::collect(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING {
+void ModeWatch::collect(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   ++frames_;
   causes_ = Hazards{static_cast<std::uint8_t>(causes_.raw() | hazards_in(frame).raw())};
   saw_cliffs_ = saw_cliffs_ || frame.has(oi::PacketId::cliff_left);
   saw_charger_ = saw_charger_ || frame.has(oi::PacketId::charging_sources);
 }
 
-std::optional<EventKind> ModeWatch::see(const oi::SensorValues& frame) noexcept
-    CARGOBAY_NONBLOCKING {
+std::optional<EventKind> ModeWatch::see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   if (!frame.has(oi::PacketId::oi_mode)) return std::nullopt;
   mode_ = frame.mode();
   const bool in_mode = mode_ == drive_mode_;

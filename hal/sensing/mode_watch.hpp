@@ -33,24 +33,24 @@ class ModeWatch {
 
   // Each frame. Returns what is to be told: mode_lost, once the cause is known or given up; rearmed
   // or rearm_failed.
-  std::optional<EventKind> see(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+  std::optional<EventKind> see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
   // The robot was told to go back to its mode. Only a robot that has lost it can be.
-  void rearm() noexcept CARGOBAY_NONBLOCKING { begin(State::rearming); }
+  void rearm() CARGOBAY_NONBLOCKING { begin(State::rearming); }
 
-  State state() const noexcept CARGOBAY_NONBLOCKING { return state_; }
-  oi::Mode drive_mode() const noexcept CARGOBAY_NONBLOCKING { return drive_mode_; }
+  State state() const CARGOBAY_NONBLOCKING { return state_; }
+  oi::Mode drive_mode() const CARGOBAY_NONBLOCKING { return drive_mode_; }
   // By the last frame that said; Off before.
-  oi::Mode mode() const noexcept CARGOBAY_NONBLOCKING { return mode_; }
+  oi::Mode mode() const CARGOBAY_NONBLOCKING { return mode_; }
   // What was seen since the mode was lost, or since rearm().
-  Hazards causes() const noexcept CARGOBAY_NONBLOCKING { return causes_; }
+  Hazards causes() const CARGOBAY_NONBLOCKING { return causes_; }
   // The list whose frame would tell more of the cause.
-  FrameList wanted() const noexcept CARGOBAY_NONBLOCKING {
+  FrameList wanted() const CARGOBAY_NONBLOCKING {
     return saw_cliffs_ ? FrameList::reading : FrameList::hazards;
   }
 
  private:
-  void begin(State state) noexcept CARGOBAY_NONBLOCKING;
-  void collect(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+  void begin(State state) CARGOBAY_NONBLOCKING;
+  void collect(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
 
   oi::Mode drive_mode_;
   oi::Mode mode_ = oi::Mode::off;

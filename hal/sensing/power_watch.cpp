@@ -4,7 +4,7 @@ namespace cargobay::hal {
 namespace {
 
 // A battery that waits to be charged, or cannot be, is not charged.
-bool charges(const BatteryState& battery) noexcept CARGOBAY_NONBLOCKING {
+bool charges(const BatteryState& battery) CARGOBAY_NONBLOCKING {
   using oi::ChargingState;
   return battery.charging == ChargingState::reconditioning ||
          battery.charging == ChargingState::full || battery.charging == ChargingState::trickle;
@@ -12,8 +12,7 @@ bool charges(const BatteryState& battery) noexcept CARGOBAY_NONBLOCKING {
 
 }  // namespace
 
-const PowerWatch::News& PowerWatch::see(const oi::SensorValues& frame) noexcept
-    CARGOBAY_NONBLOCKING {
+const PowerWatch::News& PowerWatch::see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   news_.clear();
   if (frame.has(oi::PacketId::overcurrents)) see_overcurrents(frame.overcurrents());
   if (frame.has(oi::PacketId::battery_charge)) {
@@ -25,7 +24,7 @@ const PowerWatch::News& PowerWatch::see(const oi::SensorValues& frame) noexcept
   return news_;
 }
 
-void PowerWatch::see_overcurrents(oi::BitSet<oi::Overcurrent> now) noexcept CARGOBAY_NONBLOCKING {
+void PowerWatch::see_overcurrents(oi::BitSet<oi::Overcurrent> now) CARGOBAY_NONBLOCKING {
   const oi::BitSet<oi::Overcurrent> begun{
       static_cast<std::uint8_t>(now.raw() & ~overcurrents_.raw())};
   const bool ended = overcurrents_.any() && !now.any();
@@ -37,7 +36,7 @@ void PowerWatch::see_overcurrents(oi::BitSet<oi::Overcurrent> now) noexcept CARG
   }  // has room for one of each watch: kMostNews
 }
 
-void PowerWatch::see_battery(const BatteryState& now) noexcept CARGOBAY_NONBLOCKING {
+void PowerWatch::see_battery(const BatteryState& now) CARGOBAY_NONBLOCKING {
   if (charges(now) != charges(battery_)) {
     const EventKind what = charges(now) ? EventKind::charging_began : EventKind::charging_ended;
     (void)news_.push_back({.what = what, .battery = now});
@@ -52,12 +51,12 @@ void PowerWatch::see_battery(const BatteryState& now) noexcept CARGOBAY_NONBLOCK
       {.what = low_ ? EventKind::battery_low : EventKind::battery_recovered, .battery = now});
 }
 
-bool PowerWatch::is_low(const BatteryState& battery) const noexcept CARGOBAY_NONBLOCKING {
+bool PowerWatch::is_low(const BatteryState& battery) const CARGOBAY_NONBLOCKING {
   return battery.voltage_mv < limits_.low_mv ||
          battery.charge_mah < limits_.low_part * battery.capacity_mah;
 }
 
-bool PowerWatch::has_recovered(const BatteryState& battery) const noexcept CARGOBAY_NONBLOCKING {
+bool PowerWatch::has_recovered(const BatteryState& battery) const CARGOBAY_NONBLOCKING {
   return battery.voltage_mv > limits_.recovered_mv &&
          battery.charge_mah >= limits_.recovered_part * battery.capacity_mah;
 }

@@ -28,15 +28,15 @@ class PowerWatch {
   explicit PowerWatch(const Limits& limits) : limits_{limits} {}
 
   // Each frame. Returns what is to be told; valid until the next.
-  const News& see(const oi::SensorValues& frame) noexcept CARGOBAY_NONBLOCKING;
+  const News& see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
   // All 0 until the first frame that tells.
-  const BatteryState& battery() const noexcept CARGOBAY_NONBLOCKING { return battery_; }
+  const BatteryState& battery() const CARGOBAY_NONBLOCKING { return battery_; }
 
  private:
-  void see_overcurrents(oi::BitSet<oi::Overcurrent> now) noexcept CARGOBAY_NONBLOCKING;
-  void see_battery(const BatteryState& now) noexcept CARGOBAY_NONBLOCKING;
-  bool is_low(const BatteryState& battery) const noexcept CARGOBAY_NONBLOCKING;
-  bool has_recovered(const BatteryState& battery) const noexcept CARGOBAY_NONBLOCKING;
+  void see_overcurrents(oi::BitSet<oi::Overcurrent> now) CARGOBAY_NONBLOCKING;
+  void see_battery(const BatteryState& now) CARGOBAY_NONBLOCKING;
+  bool is_low(const BatteryState& battery) const CARGOBAY_NONBLOCKING;
+  bool has_recovered(const BatteryState& battery) const CARGOBAY_NONBLOCKING;
 
   Limits limits_;
   BatteryState battery_{};

@@ -27,9 +27,9 @@ class SensorBoard {
   static constexpr std::size_t kSlots = SensorReadings::kSlots;
 
   // From the control thread. Wait-free. Ticks count to 2^32, two years.
-  void see(const oi::SensorValues& frame, std::int64_t at) noexcept CARGOBAY_NONBLOCKING {
+  void see(const oi::SensorValues& frame, std::int64_t at) CARGOBAY_NONBLOCKING {
     const std::uint64_t tick = static_cast<std::uint64_t>(at + 1) << 32U;  // 0: never
-    frame.visit([&](oi::PacketId packet, std::int32_t value) noexcept CARGOBAY_NONBLOCKING {
+    frame.visit([&](oi::PacketId packet, std::int32_t value) CARGOBAY_NONBLOCKING {
       const auto id = static_cast<std::size_t>(packet);
       if (id >= kSlots) return;  // of a later robot
       // Relaxed: the word carries all there is to know of this packet.
@@ -37,7 +37,7 @@ class SensorBoard {
     });
   }
   // From any thread. Wait-free.
-  SensorReadings readings() const noexcept CARGOBAY_NONBLOCKING {
+  SensorReadings readings() const CARGOBAY_NONBLOCKING {
     SensorReadings read;
     for (std::size_t id = 0; id < kSlots; ++id) {
       const std::uint64_t word = words_[id].load(std::memory_order_relaxed);

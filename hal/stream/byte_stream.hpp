@@ -34,16 +34,16 @@ class ByteStream {
 
   // For the control thread. None of these allocates or locks.
   // Blocks until bytes are there or the deadline, on this stream's clock, has passed.
-  virtual Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING = 0;
+  virtual Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING = 0;
   // What has arrived, up to the size of `bytes`; does not block.
-  virtual Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING = 0;
+  virtual Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING = 0;
   // Queues all of `bytes` or, where the queue is full, the first of them; does not block.
-  virtual Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING = 0;
-  virtual rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING = 0;
+  virtual Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING = 0;
+  virtual rt::TimePoint now() const CARGOBAY_NONBLOCKING = 0;
   // Whether what is written still goes to the port that was opened: a program may close the
   // descriptors of its libraries, and open files under the same numbers. One system call, for
   // writes that do not answer a frame that was just read from the port.
-  virtual bool still_open() const noexcept CARGOBAY_NONBLOCKING { return true; }
+  virtual bool still_open() const CARGOBAY_NONBLOCKING { return true; }
 
   // The terminal that the bytes go through, for a guard to share (hal/guard/guard.hpp); -1 where
   // there is none.

@@ -11,17 +11,15 @@ class ForwardingStream : public ByteStream {
   // `stream` outlives it.
   explicit ForwardingStream(ByteStream& stream) : stream_{stream} {}
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
-    return stream_.wait(deadline);
-  }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override { return stream_.wait(deadline); }
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return stream_.read(bytes);
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return stream_.write(bytes);
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_.now(); }
-  bool still_open() const noexcept CARGOBAY_NONBLOCKING override { return stream_.still_open(); }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return stream_.now(); }
+  bool still_open() const CARGOBAY_NONBLOCKING override { return stream_.still_open(); }
 
   Terminal terminal() const override { return stream_.terminal(); }
   std::uint32_t baud() const override { return stream_.baud(); }

@@ -20,7 +20,7 @@ SpacedStream::SpacedStream(std::unique_ptr<ByteStream> stream) : SpacedStream{*s
 
 SpacedStream::~SpacedStream() { (void)pass_on_all(now() + kMostBytes * kInterval); }
 
-ByteStream::Wait SpacedStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING {
+ByteStream::Wait SpacedStream::wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
   for (;;) {
     const std::optional<rt::TimePoint> due = begin_ < end_ ? pass_on() : std::nullopt;
     if (!due || *due >= deadline) return stream().wait(deadline);
@@ -29,8 +29,7 @@ ByteStream::Wait SpacedStream::wait(rt::TimePoint deadline) noexcept CARGOBAY_NO
   }
 }
 
-ByteStream::Transfer SpacedStream::write(std::span<const std::uint8_t> bytes) noexcept
-    CARGOBAY_NONBLOCKING {
+ByteStream::Transfer SpacedStream::write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   if (!spaced_) return stream().write(bytes);
   if (error_ != 0) return {.error = std::exchange(error_, 0)};
   if (begin_ > 0) {
@@ -44,7 +43,7 @@ ByteStream::Transfer SpacedStream::write(std::span<const std::uint8_t> bytes) no
   return {.count = taken.size()};
 }
 
-std::optional<rt::TimePoint> SpacedStream::pass_on() noexcept CARGOBAY_NONBLOCKING {
+std::optional<rt::TimePoint> SpacedStream::pass_on() CARGOBAY_NONBLOCKING {
   while (begin_ < end_) {
     if (now() < due_) return due_;
     // A program may have closed the port since these bytes were written.
@@ -55,7 +54,7 @@ std::optional<rt::TimePoint> SpacedStream::pass_on() noexcept CARGOBAY_NONBLOCKI
   return std::nullopt;
 }
 
-void SpacedStream::note(const Transfer& transfer) noexcept CARGOBAY_NONBLOCKING {
+void SpacedStream::note(const Transfer& transfer) CARGOBAY_NONBLOCKING {
   begin_ += transfer.count;
   const bool failed = transfer.error != 0 && transfer.error != EAGAIN;
   failures_ = failed ? failures_ + 1 : 0;

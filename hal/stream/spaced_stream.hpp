@@ -35,8 +35,8 @@ class SpacedStream final : public ForwardingStream {
   // What is kept is passed on in wait(), sleep() and drain(); the first byte of it in write() too.
   // A write that fails is made once more; the error of a second one is the next write()'s, and what
   // was kept is lost.
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
   // Below 115200 baud the stream behind this one.
   ByteStream& at_this_rate() override { return spaced_ ? *this : stream().at_this_rate(); }
   // All that was written before leaves at the former rate.
@@ -46,8 +46,8 @@ class SpacedStream final : public ForwardingStream {
 
  private:
   // Passes on what is due. When the next byte is; nothing if none is left.
-  std::optional<rt::TimePoint> pass_on() noexcept CARGOBAY_NONBLOCKING;
-  void note(const Transfer& transfer) noexcept CARGOBAY_NONBLOCKING;
+  std::optional<rt::TimePoint> pass_on() CARGOBAY_NONBLOCKING;
+  void note(const Transfer& transfer) CARGOBAY_NONBLOCKING;
   bool pass_on_all(rt::TimePoint limit);
 
   std::unique_ptr<ByteStream> owned_{};

@@ -114,7 +114,7 @@ struct Rounds {
   benchmark::State* state;
   hal::ControlCycle* cycle;
   static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                                 double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+                                 double /*seconds*/) CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Rounds*>(context);
     if (!self.state->KeepRunning()) self.cycle->request_stop();
     return kSpeeds;

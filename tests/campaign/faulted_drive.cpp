@@ -145,15 +145,15 @@ class FaultedDrive {
     (void)hal::farewell(stream_);         // the robot itself is asked, in see_tick() and run()
   }
 
-  static rt::WheelSpeeds first_control(void* context, const hal::CycleState& state,
-                                       double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds first_control(void* context, const hal::CycleState& state, double seconds)
+      CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<FaultedDrive*>(context);
     // It records, on the heap, in virtual time.
     rt::unchecked([&self, &state] { self.see_answer(state); });
     return self.case_.profile->at(seconds);
   }
   static rt::WheelSpeeds second_control(void* context, const hal::CycleState& /*state*/,
-                                        double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+                                        double /*seconds*/) CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<FaultedDrive*>(context);
     if (++self.second_frames_ == kSecondFrames) self.cycle_->request_stop();
     self.seen_.second_truth = self.truth_;

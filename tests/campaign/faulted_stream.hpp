@@ -33,10 +33,10 @@ class FaultedStream final : public hal::ByteStream {
   std::vector<rt::TimePoint> drives{};
 
   // In virtual time nobody waits for what these allocate.
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, deadline] { return wait_through_changes(deadline); });
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     const Transfer transfer = link_->read(bytes);
     rt::unchecked([&] {
       const auto read = bytes.first(transfer.count);
@@ -44,7 +44,7 @@ class FaultedStream final : public hal::ByteStream {
     });
     return transfer;
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     rt::unchecked([&] {
       // Zeros for half a command may stand in front of it.
       const auto command = std::ranges::find_if(bytes, [](std::uint8_t byte) { return byte != 0; });
@@ -54,7 +54,7 @@ class FaultedStream final : public hal::ByteStream {
     });
     return link_->write(bytes);
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return link_->now(); }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return link_->now(); }
 
   std::uint32_t baud() const override { return link_->baud(); }
   std::error_code set_baud(std::uint32_t baud) override { return link_->set_baud(baud); }

@@ -70,7 +70,7 @@ class Holdings {
 class Ledger {
  public:
   // Called by the control thread at each answer.
-  void book(std::uint64_t sent, const hal::FrameCounters& counted) noexcept CARGOBAY_NONBLOCKING {
+  void book(std::uint64_t sent, const hal::FrameCounters& counted) CARGOBAY_NONBLOCKING {
     const auto open = static_cast<std::int64_t>(sent) -
                       static_cast<std::int64_t>(counted.good + counted.bad + counted.lost);
     if (answers_ < kWhile) first_ = std::min(first_, open);
@@ -93,7 +93,7 @@ class Ledger {
 };
 
 // Never at rest for long: stands, turns, drives both ways.
-rt::WheelSpeeds speeds(double seconds) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds speeds(double seconds) CARGOBAY_NONBLOCKING {
   switch (static_cast<std::int64_t>(seconds / 2.0) % 4) {
     case 0: return {200.0, 200.0};
     case 1: return {-100.0, 100.0};
@@ -129,8 +129,8 @@ class VirtualSoak {
  private:
   static constexpr std::uint64_t kLooks = 50;
 
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     // In virtual time nobody waits for what this allocates.
     rt::unchecked([context] { static_cast<VirtualSoak*>(context)->answer(); });
     return speeds(seconds);
@@ -189,8 +189,8 @@ class RealSoak {
     std::fprintf(stderr, "soak: %s\n", why.c_str());
     return false;
   }
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<RealSoak*>(context);
     self.ledger_.book(self.sent_.load(std::memory_order_relaxed), self.cycle_->frames());
     return speeds(seconds);

@@ -229,8 +229,8 @@ void commit(Way way) {
   }
 }
 
-rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                        double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double /*seconds*/)
+    CARGOBAY_NONBLOCKING {
   auto& deed = *static_cast<Deed*>(context);
   if (--deed.frames == 0) rt::unchecked([&deed]() noexcept { commit(deed.way); });
   return {300.0, 200.0};

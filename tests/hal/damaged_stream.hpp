@@ -27,13 +27,13 @@ class DamagedStream final : public ByteStream {
 
   // In virtual time the robot runs on the thread that waits for it, and so do the test's own
   // functions: they may allocate.
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, deadline] {
       if (before_wait) before_wait();
       return stream_->wait(deadline);
     });
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     Transfer transfer = stream_->read(bytes);
     if (transfer.count > 0) {
       transfer.count = rt::unchecked(
@@ -41,14 +41,14 @@ class DamagedStream final : public ByteStream {
     }
     return transfer;
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     const std::size_t taken = rt::unchecked([&] { return accept ? accept(bytes) : bytes.size(); });
     if (taken == 0) return {.error = EAGAIN};
     const std::size_t carried = rt::unchecked([&] { return carry ? carry(bytes) : taken; });
     if (carried > 0) (void)stream_->write(bytes.first(carried));  // in virtual time it takes all
     return {.count = taken};
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return stream_->now(); }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return stream_->now(); }
   std::uint32_t baud() const override { return stream_->baud(); }
   std::error_code set_baud(std::uint32_t baud) override { return stream_->set_baud(baud); }
   std::error_code set_wake_threshold(std::size_t bytes) override {

@@ -23,16 +23,16 @@ class HeldStream final : public ByteStream {
   std::function<rt::TimePoint(rt::TimePoint arrival)> hand_over{};
 
   // In virtual time nobody waits for what these allocate.
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, deadline] { return wait_for_bytes(deadline); });
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, bytes] { return take_ready(bytes); });
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return link_->write(bytes);
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return link_->now(); }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return link_->now(); }
 
   std::uint32_t baud() const override { return link_->baud(); }
   std::error_code set_baud(std::uint32_t baud) override { return link_->set_baud(baud); }

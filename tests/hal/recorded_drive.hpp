@@ -67,17 +67,17 @@ class RecordedDrive {
   ControlCycle& cycle() { return *cycle_; }
 
  private:
-  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/,
-                                    double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     // A test's own, in virtual time: it may allocate.
     return rt::unchecked([=] { return static_cast<RecordedDrive*>(context)->control(seconds); });
   }
-  static void record(void* context, const CycleState& state) noexcept CARGOBAY_NONBLOCKING {
+  static void record(void* context, const CycleState& state) CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<RecordedDrive*>(context);
     self.recorder.state(state);
     rt::unchecked([&] { self.states.push_back(state); });
   }
-  static void record_request(void* context, const Request& request) noexcept CARGOBAY_NONBLOCKING {
+  static void record_request(void* context, const Request& request) CARGOBAY_NONBLOCKING {
     static_cast<RecordedDrive*>(context)->recorder.asked(request);
   }
   rt::WheelSpeeds control(double seconds) {

@@ -109,8 +109,8 @@ class VirtualDrive {
       result_.ticks.push_back({state, truths_[i]});
     }
   }
-  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/,
-                                    double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     // A test's own, in virtual time: it may allocate.
     return rt::unchecked(
         [context, seconds] { return static_cast<VirtualDrive*>(context)->control(seconds); });

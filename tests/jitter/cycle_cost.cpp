@@ -43,8 +43,8 @@ using Readings = std::vector<std::optional<rt::WheelEstimator::Reading>>;
 // Not a whole number of mm a tick, so that it matters what becomes of the remainder.
 constexpr rt::WheelSpeeds kTarget{190.0, 190.0};
 
-rt::WheelSpeeds decide(void* /*context*/, const hal::CycleState& /*state*/,
-                       double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds decide(void* /*context*/, const hal::CycleState& /*state*/, double /*seconds*/)
+    CARGOBAY_NONBLOCKING {
   return kTarget;
 }
 
@@ -82,13 +82,12 @@ Readings readings_of_a_drive(MemoryStream& stream, std::size_t frames) {
     std::size_t count = 0;
   } kept{.readings = Readings(frames)};
   const auto cycle = make_cycle(stream);
-  cycle->set_observer(
-      {.function =
-           [](void* context, const hal::CycleState& state) noexcept CARGOBAY_NONBLOCKING {
-             auto& all = *static_cast<Kept*>(context);
-             all.readings[all.count++] = state.reading;
-           },
-       .context = &kept});
+  cycle->set_observer({.function =
+                           [](void* context, const hal::CycleState& state) CARGOBAY_NONBLOCKING {
+                             auto& all = *static_cast<Kept*>(context);
+                             all.readings[all.count++] = state.reading;
+                           },
+                       .context = &kept});
   (void)cycle->run();
   if (kept.count != frames) std::abort();
   return kept.readings;
@@ -115,10 +114,10 @@ class PtyOnRobotTime final : public hal::ForwardingStream {
   PtyOnRobotTime(hal::ByteStream& port, const MemoryStream& robot)
       : ForwardingStream{port}, robot_{robot} {}
 
-  Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint /*deadline*/) CARGOBAY_NONBLOCKING override {
     return stream().wait(stream().now() + std::chrono::seconds{10});
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override {
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override {
     (void)stream().now();
     return robot_.now();  // who stands still meanwhile: it waits for the answer
   }

@@ -23,24 +23,24 @@ class MemoryStream final : public hal::ByteStream {
   explicit MemoryStream(long frames, rt::Remainder remainder = rt::Remainder::carried)
       : frames_left_{frames}, remainder_{remainder} {}
 
-  Wait wait(rt::TimePoint /*deadline*/) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint /*deadline*/) CARGOBAY_NONBLOCKING override {
     now_ += oi::kTick;
     unread_um_ += speed_mm_s_ * kTickMs;
     return --frames_left_ < 0 ? Wait::hung_up : Wait::ready;
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     hal::jitter::FrameBytes& frame = frames_[list_];
     if (list_ == kReading) count_distance(frame);
     std::memcpy(bytes.data(), frame.data(), frame.size());
     return {.count = frame.size()};
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     speed_mm_s_ = static_cast<std::int16_t>(bytes[1] << 8U | bytes[2]);
     // A list stands behind the Drive Direct; its second packet tells which it is.
     if (bytes.size() > kSecondPacket) list_ = list_with(bytes[kSecondPacket]);
     return {.count = bytes.size()};
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return now_; }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return now_; }
   std::uint32_t baud() const override { return 57600; }
   std::error_code set_baud(std::uint32_t /*baud*/) override { return {}; }
   std::error_code set_wake_threshold(std::size_t /*bytes*/) override { return {}; }
@@ -54,13 +54,13 @@ class MemoryStream final : public hal::ByteStream {
   static constexpr std::size_t kSecondPacket = oi::kDriveDirectBytes + 3;
   static constexpr std::size_t kReading = 0;
 
-  static std::size_t list_with(std::uint8_t second_packet) noexcept CARGOBAY_NONBLOCKING {
+  static std::size_t list_with(std::uint8_t second_packet) CARGOBAY_NONBLOCKING {
     if (second_packet == static_cast<std::uint8_t>(oi::PacketId::group_2)) return kReading;
     return second_packet == static_cast<std::uint8_t>(oi::PacketId::group_1) ? 1 : 2;
   }
 
   // Header, length, mode, group 2: infrared byte, buttons, and the distance behind them.
-  void count_distance(hal::jitter::FrameBytes& frame) noexcept CARGOBAY_NONBLOCKING {
+  void count_distance(hal::jitter::FrameBytes& frame) CARGOBAY_NONBLOCKING {
     constexpr std::size_t kDistance = 7;
     const int mm = unread_um_ / kUmPerMm;
     unread_um_ = remainder_ == rt::Remainder::carried ? unread_um_ % kUmPerMm : 0;

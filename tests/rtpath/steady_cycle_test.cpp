@@ -45,8 +45,8 @@ struct Counted {
   bool guarded = false;
   Calls calls{};
 
-  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
-                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/, double seconds)
+      CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Counted*>(context);
     ++self.frame;
     if (self.frame == self.first) {
@@ -68,7 +68,7 @@ struct Counted {
 class UncountedLink final : public ByteStream {
  public:
   explicit UncountedLink(sim::VirtualLink& link) : link_{link} {}
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     const Uncounted uncounted;
     ++waits;
     CycleState state;  // taken as by another thread
@@ -76,15 +76,15 @@ class UncountedLink final : public ByteStream {
     }
     return link_.wait(deadline);
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     const Uncounted uncounted;
     return link_.read(bytes);
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     const Uncounted uncounted;
     return link_.write(bytes);
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return link_.now(); }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return link_.now(); }
   std::uint32_t baud() const override { return link_.baud(); }
   std::error_code set_baud(std::uint32_t baud) override { return link_.set_baud(baud); }
   std::error_code set_wake_threshold(std::size_t bytes) override {

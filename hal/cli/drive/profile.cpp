@@ -100,7 +100,7 @@ hal::Result<Profile> Profile::read(const std::string& path) {
   return Profile{std::move(pieces)};
 }
 
-rt::WheelSpeeds Profile::at(double seconds) const noexcept CARGOBAY_NONBLOCKING {
+rt::WheelSpeeds Profile::at(double seconds) const CARGOBAY_NONBLOCKING {
   double left_s = std::fmod(seconds, period_s_);
   for (const Piece& piece : pieces_) {
     if (left_s < piece.duration_s) return piece.speeds;

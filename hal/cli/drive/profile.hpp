@@ -26,7 +26,7 @@ class Profile {
   static bool is_named(std::string_view name_or_file);
 
   // Speeds at that time; the pieces repeat without end. For the control thread.
-  rt::WheelSpeeds at(double seconds) const noexcept CARGOBAY_NONBLOCKING;
+  rt::WheelSpeeds at(double seconds) const CARGOBAY_NONBLOCKING;
   double period_s() const { return period_s_; }
 
  private:

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "hal/doctor/conditions.hpp"
 #include "hal/jitter/bootstrap.hpp"
 #include "hal/jitter/run.hpp"
-#include "hal/doctor/conditions.hpp"
 #include "hal/result.hpp"
 
 namespace cargobay::cli {

@@ -12,7 +12,7 @@
 
 namespace cargobay::hal::sim {
 
-ByteStream::Wait VirtualLink::wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING {
+ByteStream::Wait VirtualLink::wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
   const rt::Duration until = deadline.time_since_epoch();
   for (;;) {
     if (hung_up_) return Wait::hung_up;
@@ -22,21 +22,17 @@ ByteStream::Wait VirtualLink::wait(rt::TimePoint deadline) noexcept CARGOBAY_NON
   }
 }
 
-ByteStream::Transfer VirtualLink::read(std::span<std::uint8_t> bytes) noexcept
-    CARGOBAY_NONBLOCKING {
+ByteStream::Transfer VirtualLink::read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   const std::size_t count = cable_.take(bytes);
   return {.count = count, .error = count == 0 && hung_up_ ? EIO : 0};
 }
 
-ByteStream::Transfer VirtualLink::write(std::span<const std::uint8_t> bytes) noexcept
-    CARGOBAY_NONBLOCKING {
+ByteStream::Transfer VirtualLink::write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   if (hung_up_) return {.count = 0, .error = EIO};
   return {.count = cable_.send(bytes), .error = 0};
 }
 
-rt::TimePoint VirtualLink::now() const noexcept CARGOBAY_NONBLOCKING {
-  return rt::TimePoint{cable_.now()};
-}
+rt::TimePoint VirtualLink::now() const CARGOBAY_NONBLOCKING { return rt::TimePoint{cable_.now()}; }
 
 std::error_code VirtualLink::set_baud(std::uint32_t baud) {
   if (baud == 0) return std::make_error_code(std::errc::invalid_argument);

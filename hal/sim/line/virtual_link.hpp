@@ -19,10 +19,10 @@ class VirtualLink final : public ByteStream {
   // The device outlives the link. The host starts at the rate the robot listens at.
   explicit VirtualLink(Device& device) : cable_{device} {}
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override;
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override;
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override;
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override;
 
   std::uint32_t baud() const override { return cable_.host_baud(); }
   [[nodiscard]] std::error_code set_baud(std::uint32_t baud) override;

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/sensing/frame_lists.hpp"
 #include "hal/guard/farewell.hpp"
+#include "hal/sensing/frame_lists.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/robot/device.hpp"
 

@@ -29,9 +29,9 @@ class Port final : public ByteStream {
   bool open = true;
   rt::TimePoint time{1s};
 
-  Wait wait(rt::TimePoint) noexcept CARGOBAY_NONBLOCKING override { return Wait::timed_out; }
-  Transfer read(std::span<std::uint8_t>) noexcept CARGOBAY_NONBLOCKING override { return {}; }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint) CARGOBAY_NONBLOCKING override { return Wait::timed_out; }
+  Transfer read(std::span<std::uint8_t>) CARGOBAY_NONBLOCKING override { return {}; }
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     if (error != 0) return {.error = error};
     const std::size_t count = std::min(room, bytes.size());
     rt::unchecked([&]() noexcept {
@@ -39,8 +39,8 @@ class Port final : public ByteStream {
     });
     return {.count = count};
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return time; }
-  bool still_open() const noexcept CARGOBAY_NONBLOCKING override { return open; }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return time; }
+  bool still_open() const CARGOBAY_NONBLOCKING override { return open; }
   std::uint32_t baud() const override { return 57600; }
   std::error_code set_baud(std::uint32_t) override { return {}; }
   std::error_code set_wake_threshold(std::size_t) override { return {}; }

@@ -67,8 +67,8 @@ struct Driver {
   const Setup* setup = nullptr;
   std::uint64_t last_tick = 0;
   ControlCycle* cycle = nullptr;
-  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
-                                 double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/, double /*seconds*/)
+      CARGOBAY_NONBLOCKING {
     const auto& self = *static_cast<Driver*>(context);
     rt::unchecked([&self] { self.at_a_frame(); });
     return self.setup->target;

@@ -16,8 +16,8 @@ constexpr UserControl::Limits kLimits{.tick = 15ms, .budget = 2ms, .overruns_all
 struct Program {
   rt::WheelSpeeds answer{};
   double seconds = -1.0;
-  static rt::WheelSpeeds control(void* context, const CycleState&,
-                                 double seconds) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const CycleState&, double seconds)
+      CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Program*>(context);
     self.seconds = seconds;
     return self.answer;

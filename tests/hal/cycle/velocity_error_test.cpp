@@ -127,20 +127,20 @@ class Drive {
   }
 
  private:
-  static rt::WheelSpeeds control(void* context, const CycleState& state,
-                                 double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+  static rt::WheelSpeeds control(void* context, const CycleState& state, double /*seconds*/)
+      CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Drive*>(context);
     self.judge(state.estimate);
     return self.target_;
   }
-  void judge(const rt::WheelSpeeds& estimate) noexcept CARGOBAY_NONBLOCKING {
+  void judge(const rt::WheelSpeeds& estimate) CARGOBAY_NONBLOCKING {
     if (++frames_ == kFramesOfADrive) cycle_->request_stop();
     if (frames_ < kFramesToSettle) return;
     errors_.estimate += square(estimate);
     errors_.by_arrival += square(by_arrival_.speeds());
     errors_.count += 2;
   }
-  double square(const rt::WheelSpeeds& speeds) const noexcept CARGOBAY_NONBLOCKING {
+  double square(const rt::WheelSpeeds& speeds) const CARGOBAY_NONBLOCKING {
     const double left_mm_s = speeds.left_mm_s - truth_.left_mm_s;
     const double right_mm_s = speeds.right_mm_s - truth_.right_mm_s;
     return left_mm_s * left_mm_s + right_mm_s * right_mm_s;

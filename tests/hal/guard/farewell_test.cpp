@@ -25,13 +25,13 @@ class FailingStream final : public ForwardingStream {
   bool from_then_on = false;
   int calls() const { return calls_; }
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return fails() ? Wait::hung_up : stream().wait(deadline);
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return fails() ? Transfer{.error = error_} : stream().read(bytes);
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     return fails() ? Transfer{.error = error_} : stream().write(bytes);
   }
 

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/doctor/conditions.hpp"
 #include "hal/jitter/bootstrap.hpp"
 #include "hal/jitter/channel.hpp"
-#include "hal/doctor/conditions.hpp"
 
 namespace cargobay::hal::jitter {
 namespace {

@@ -38,8 +38,8 @@ class RobotTest : public testing::Test {
     std::atomic<int> calls{0};
     std::function<void()> also{};  // instead of ending
 
-    static rt::WheelSpeeds control(void* context, const CycleState& /*state*/,
-                                   double /*seconds*/) noexcept CARGOBAY_NONBLOCKING {
+    static rt::WheelSpeeds control(void* context, const CycleState& /*state*/, double /*seconds*/)
+        CARGOBAY_NONBLOCKING {
       rt::unchecked([context] { static_cast<Driver*>(context)->count_call(); });
       return {200.0, 200.0};
     }

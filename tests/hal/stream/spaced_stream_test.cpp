@@ -24,15 +24,15 @@ class Port final : public ByteStream {
     std::uint32_t baud = 0;
   };
 
-  Wait wait(rt::TimePoint deadline) noexcept CARGOBAY_NONBLOCKING override {
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     now_ = std::max(now_, readable_at_ ? std::min(deadline, *readable_at_) : deadline);
     return readable_at_ && now_ >= *readable_at_ ? Wait::ready : Wait::timed_out;
   }
-  Transfer read(std::span<std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     readable_at_.reset();
     return {.count = bytes.empty() ? std::size_t{0} : std::size_t{1}};
   }
-  Transfer write(std::span<const std::uint8_t> bytes) noexcept CARGOBAY_NONBLOCKING override {
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     ++writes;
     if (fails > 0) {
       --fails;
@@ -43,8 +43,8 @@ class Port final : public ByteStream {
           .at = now_.time_since_epoch(), .value = value, .baud = baud_};
     return {.count = bytes.size()};
   }
-  rt::TimePoint now() const noexcept CARGOBAY_NONBLOCKING override { return now_; }
-  bool still_open() const noexcept CARGOBAY_NONBLOCKING override { return open; }
+  rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return now_; }
+  bool still_open() const CARGOBAY_NONBLOCKING override { return open; }
   std::uint32_t baud() const override { return baud_; }
   std::error_code set_baud(std::uint32_t baud) override {
     baud_ = baud;
