@@ -254,7 +254,7 @@ int cargobay_describe_event(const struct cargobay_event* event, char* text, size
   return guarded([&] {
     cargobay_event known{};
     if (!take(event, known)) return bad_argument("`event` is NULL or not of cargobay_next_event()");
-    if (known.kind < 0 || known.kind > CARGOBAY_EVENT_PORT_SHARED)
+    if (known.kind < 0 || static_cast<std::size_t>(known.kind) >= cargobay::hal::kEventKinds)
       return bad_argument("this library knows no event of that kind");
     return copy_text(cargobay::hal::describe(event_of(known)), text, text_size);
   });

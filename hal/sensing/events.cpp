@@ -69,6 +69,73 @@ std::string because(Hazards hazards) {
   return hazards.any() ? ": " + describe(hazards) : ", and no sensor says why";
 }
 
+std::string describe_user(const Event& event) {
+  const PortUser user{.id = event.process, .name = event.process_name.data()};
+  return describe(user) + " has the port open too and may take bytes from it: " + remedy(user);
+}
+
+struct EventRow {
+  EventKind kind;
+  std::string_view name;
+  Payload payload;
+  std::string (*words)(const Event& event);
+};
+constexpr std::array<EventRow, kEventKinds> kEvents{{
+    {EventKind::mode_lost, "mode_lost", Payload::mode,
+     [](const Event& event) {
+       return "the robot went to " + std::string{oi::name(event.mode)} + " mode by itself" +
+              because(event.hazards);
+     }},
+    {EventKind::rearmed, "rearmed", Payload::nothing,
+     [](const Event&) -> std::string { return "the robot is armed again"; }},
+    {EventKind::rearm_failed, "rearm_failed", Payload::mode,
+     [](const Event& event) {
+       return "the robot stays in " + std::string{oi::name(event.mode)} + " mode" +
+              because(event.hazards);
+     }},
+    {EventKind::battery_low, "battery_low", Payload::battery,
+     [](const Event& event) { return "the battery is low: " + describe(event.battery); }},
+    {EventKind::battery_recovered, "battery_recovered", Payload::battery,
+     [](const Event& event) { return "the battery has recovered: " + describe(event.battery); }},
+    {EventKind::overcurrent_began, "overcurrent_began", Payload::overcurrents,
+     [](const Event& event) { return describe(event.overcurrents) + " draws too much"; }},
+    {EventKind::overcurrent_ended, "overcurrent_ended", Payload::nothing,
+     [](const Event&) -> std::string { return "nothing draws too much any more"; }},
+    {EventKind::charging_began, "charging_began", Payload::battery,
+     [](const Event& event) { return "the battery is charged: " + describe(event.battery); }},
+    {EventKind::charging_ended, "charging_ended", Payload::battery,
+     [](const Event&) -> std::string { return "the battery is no longer charged"; }},
+    {EventKind::frames_lost, "frames_lost", Payload::frames,
+     [](const Event& event) {
+       return std::to_string(event.frames) + (event.frames == 1 ? " frame" : " frames") + " lost";
+     }},
+    {EventKind::silence_began, "silence_began", Payload::nothing,
+     [](const Event&) -> std::string {
+       return "the robot is silent; the wheels were told to stop";
+     }},
+    {EventKind::silence_ended, "silence_ended", Payload::nothing,
+     [](const Event&) -> std::string { return "the robot is heard again"; }},
+    {EventKind::setpoint_lapsed, "setpoint_lapsed", Payload::nothing,
+     [](const Event&) -> std::string { return "the setpoint was not renewed; the wheels stop"; }},
+    {EventKind::control_refused, "control_refused", Payload::nothing,
+     [](const Event&) -> std::string {
+       return "the control function asked for speeds that no robot can do; the wheels stop";
+     }},
+    {EventKind::bump_began, "bump_began", Payload::bumps,
+     [](const Event& event) { return "the robot bumped into something " + describe(event.bumps); }},
+    {EventKind::bump_ended, "bump_ended", Payload::nothing,
+     [](const Event&) -> std::string { return "nothing touches the bumper any more"; }},
+    {EventKind::port_shared, "port_shared", Payload::process, &describe_user},
+}};
+static_assert([] {
+  for (std::size_t i = 0; i < kEventKinds; ++i) {
+    if (static_cast<std::size_t>(kEvents[i].kind) != i || kEvents[i].name.empty()) return false;
+  }
+  return true;
+}());
+
+const EventRow& row(EventKind what) { return kEvents[static_cast<std::size_t>(what)]; }
+
 }  // namespace
 
 Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
@@ -91,29 +158,6 @@ Hazards hazards_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   return found;
 }
 
-std::string_view name(EventKind what) {
-  switch (what) {
-    case EventKind::mode_lost: return "mode_lost";
-    case EventKind::rearmed: return "rearmed";
-    case EventKind::rearm_failed: return "rearm_failed";
-    case EventKind::battery_low: return "battery_low";
-    case EventKind::battery_recovered: return "battery_recovered";
-    case EventKind::overcurrent_began: return "overcurrent_began";
-    case EventKind::overcurrent_ended: return "overcurrent_ended";
-    case EventKind::charging_began: return "charging_began";
-    case EventKind::charging_ended: return "charging_ended";
-    case EventKind::frames_lost: return "frames_lost";
-    case EventKind::silence_began: return "silence_began";
-    case EventKind::silence_ended: return "silence_ended";
-    case EventKind::setpoint_lapsed: return "setpoint_lapsed";
-    case EventKind::control_refused: return "control_refused";
-    case EventKind::bump_began: return "bump_began";
-    case EventKind::bump_ended: return "bump_ended";
-    case EventKind::port_shared: return "port_shared";
-  }
-  return "";
-}
-
 std::string_view name(Hazard hazard) {
   for (const HazardWords& each : kHazardWords) {
     if (each.hazard == hazard) return each.name;
@@ -129,37 +173,8 @@ std::string describe(Hazards hazards) {
   return words;
 }
 
-std::string describe(const Event& event) {
-  switch (event.what) {
-    case EventKind::mode_lost:
-      return "the robot went to " + std::string{oi::name(event.mode)} + " mode by itself" +
-             because(event.hazards);
-    case EventKind::rearmed: return "the robot is armed again";
-    case EventKind::rearm_failed:
-      return "the robot stays in " + std::string{oi::name(event.mode)} + " mode" +
-             because(event.hazards);
-    case EventKind::battery_low: return "the battery is low: " + describe(event.battery);
-    case EventKind::battery_recovered:
-      return "the battery has recovered: " + describe(event.battery);
-    case EventKind::overcurrent_began: return describe(event.overcurrents) + " draws too much";
-    case EventKind::overcurrent_ended: return "nothing draws too much any more";
-    case EventKind::charging_began: return "the battery is charged: " + describe(event.battery);
-    case EventKind::charging_ended: return "the battery is no longer charged";
-    case EventKind::frames_lost:
-      return std::to_string(event.frames) + (event.frames == 1 ? " frame" : " frames") + " lost";
-    case EventKind::silence_began: return "the robot is silent; the wheels were told to stop";
-    case EventKind::silence_ended: return "the robot is heard again";
-    case EventKind::setpoint_lapsed: return "the setpoint was not renewed; the wheels stop";
-    case EventKind::control_refused:
-      return "the control function asked for speeds that no robot can do; the wheels stop";
-    case EventKind::bump_began: return "the robot bumped into something " + describe(event.bumps);
-    case EventKind::bump_ended: return "nothing touches the bumper any more";
-    case EventKind::port_shared: {
-      const PortUser user{.id = event.process, .name = event.process_name.data()};
-      return describe(user) + " has the port open too and may take bytes from it: " + remedy(user);
-    }
-  }
-  return "";
-}
+std::string_view name(EventKind what) { return row(what).name; }
+Payload payload(EventKind what) { return row(what).payload; }
+std::string describe(const Event& event) { return row(event.what).words(event); }
 
 }  // namespace cargobay::hal

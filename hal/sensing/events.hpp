@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -36,25 +37,38 @@ using Bumps = oi::BitSet<oi::Bump>;
 // None where the frame has no packet that would tell.
 Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
 
+// Each has its row in events.cpp: name, payload, words.
 enum class EventKind : std::uint8_t {
-  mode_lost,     // by itself the robot left the mode it was driven in: `mode`, `hazards`
-  rearmed,       // it is back in it, as was asked for
-  rearm_failed,  // it was asked for, and did not come: `mode`, `hazards`
-  battery_low,   // `battery`
+  mode_lost,     // the robot left the mode it was driven in by itself
+  rearmed,       // it is back in it, as requested
+  rearm_failed,  // it was told to go back, and did not
+  battery_low,
   battery_recovered,
   overcurrent_began,  // `overcurrents`: those that were not there before
   overcurrent_ended,  // the last of them is gone
-  charging_began,     // `battery`
+  charging_began,
   charging_ended,
-  frames_lost,      // `frames`: so many, damaged or never come
+  frames_lost,      // damaged, or never came
   silence_began,    // no frame for stop_after: the wheels were told to stop
   silence_ended,    // a frame came
-  setpoint_lapsed,  // nobody renewed it: the wheels stop until somebody does
-  control_refused,  // the control function asked for speeds that are no number or beyond the
+  setpoint_lapsed,  // it was not renewed: the wheels stop until it is
+  control_refused,  // the control function asked for speeds that are not numbers or beyond the
                     // robot's range: the wheels stop until it asks for others
   bump_began,       // `bumps`: those that were not there before
   bump_ended,       // the last of them is gone
-  port_shared,      // `process`, `process_name`: it has the port open too, and frames go missing
+  port_shared,      // another process has the port open too, and frames go missing
+};
+inline constexpr std::size_t kEventKinds = static_cast<std::size_t>(EventKind::port_shared) + 1;
+
+// Which members of Event say more than its kind.
+enum class Payload : std::uint8_t {
+  nothing,
+  mode,  // `mode`, and `hazards`: the causes, none if none was seen
+  battery,
+  overcurrents,
+  frames,
+  bumps,
+  process,  // `process`, `process_name`
 };
 
 struct BatteryState {
@@ -68,9 +82,9 @@ struct Event {
   EventKind what = EventKind::mode_lost;
   std::int64_t tick = 0;  // of the robot, as in CycleState: the newest frame when it was noticed
   rt::TimePoint time{};   // on the stream's clock
-  // As far as the kind says.
+  // As payload() of the kind says.
   oi::Mode mode = oi::Mode::off;
-  Hazards hazards{};  // of mode_lost and rearm_failed: the causes; none where none was seen
+  Hazards hazards{};
   oi::BitSet<oi::Overcurrent> overcurrents{};
   BatteryState battery{};
   std::uint32_t frames = 0;
@@ -86,6 +100,7 @@ using EventRing = rt::SpscRing<Event, kMostEvents>;
 // By which programs know it: "mode_lost".
 std::string_view name(EventKind what);
 std::string_view name(Hazard hazard);
+Payload payload(EventKind what);
 
 // In words, one line without the time: "the robot went from its mode to passive: a cliff at the
 // front left". Allocates; for port_shared it looks at the process for what to do about it.

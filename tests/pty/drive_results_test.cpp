@@ -1,5 +1,6 @@
 // What `cargobay drive` tells: table, status line, JSON and plot.
 
+#include <algorithm>
 #include <cctype>
 
 #include <nlohmann/json.hpp>
@@ -119,6 +120,20 @@ TEST_F(DriveTest, KnowsNoTruthAboutARobotThatIsNotItsOwn) {
   expect_common_keys(results);
   EXPECT_EQ(results.at("port"), port_);
   EXPECT_FALSE(results.contains("estimate_rmse_mm_s"));
+}
+
+TEST_F(DriveTest, SaysInJsonWhichBumperItWas) {
+  server_->with_device([](Device& device) { device.inputs().bump_left = true; });
+  Command command{drive({"--duration", "1", "--json", "-"})};
+  ASSERT_EQ(command.exit_code(), 0) << command.err();
+  const json results = json::parse(command.out(), nullptr, false);
+  ASSERT_TRUE(results.is_object()) << command.out();
+  const json& events = results.at("events");
+  const auto bump = std::find_if(events.begin(), events.end(), [](const json& event) {
+    return event.at("what") == "bump_began";
+  });
+  ASSERT_NE(bump, events.end()) << events;
+  EXPECT_EQ(bump->at("bumps"), json::array({"bump_left"}));
 }
 
 TEST_F(DriveTest, WritesJsonAndPlotBesideTheTable) {

@@ -29,11 +29,11 @@ Json names(hal::Hazards hazards) {
   return names;
 }
 
-Json names(oi::BitSet<oi::Overcurrent> overcurrents) {
+// Of the bits that are set in a packet's byte.
+Json names(oi::PacketId packet, std::uint8_t bits) {
   Json names = Json::array();
   for (unsigned bit = 0; bit < kBits; ++bit) {
-    if (overcurrents.has(static_cast<oi::Overcurrent>(bit)))
-      names.push_back(oi::bit_name(oi::PacketId::overcurrents, bit));
+    if (((bits >> bit) & 1U) != 0) names.push_back(oi::bit_name(packet, bit));
   }
   return names;
 }
@@ -58,29 +58,30 @@ Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states
   return around;
 }
 
-// What only events of this kind have.
-void put_details(Json& out, const hal::Event& event) {
-  using Kind = hal::EventKind;
-  switch (event.what) {
-    case Kind::mode_lost:
-    case Kind::rearm_failed:
+// What the event says beyond its kind.
+void put_payload(Json& out, const hal::Event& event) {
+  using hal::Payload;
+  switch (hal::payload(event.what)) {
+    case Payload::nothing: break;
+    case Payload::mode:
       out["mode"] = oi::name(event.mode);
       out["hazards"] = names(event.hazards);
       break;
-    case Kind::overcurrent_began: out["overcurrents"] = names(event.overcurrents); break;
-    case Kind::battery_low:
-    case Kind::battery_recovered:
-    case Kind::charging_began:
-    case Kind::charging_ended:
+    case Payload::battery:
       out["battery"] = {{"mv", event.battery.voltage_mv},
                         {"charge_mah", event.battery.charge_mah},
                         {"capacity_mah", event.battery.capacity_mah}};
       break;
-    case Kind::frames_lost: out["frames"] = event.frames; break;
-    case Kind::port_shared:
+    case Payload::overcurrents:
+      out["overcurrents"] = names(oi::PacketId::overcurrents, event.overcurrents.raw());
+      break;
+    case Payload::frames: out["frames"] = event.frames; break;
+    case Payload::bumps:
+      out["bumps"] = names(oi::PacketId::bumps_and_wheel_drops, event.bumps.raw());
+      break;
+    case Payload::process:
       out["process"] = {{"id", event.process}, {"name", event.process_name.data()}};
       break;
-    default: break;  // the kind says it all
   }
 }
 
@@ -97,7 +98,7 @@ std::string json(std::span<const hal::Event> events, const std::vector<hal::Cycl
              {"tick", event.tick},
              {"time_s", robot_time_s(event.tick)},
              {"text", hal::describe(event)}};
-    put_details(out, event);
+    put_payload(out, event);
     if (event.what != hal::EventKind::frames_lost)
       out["states"] = states_around(event.tick, states);
     list.push_back(std::move(out));
