@@ -214,7 +214,7 @@ std::string footer() {
       "Faults, P for each byte from 0 to 1, DIRECTION to-host (if none is said), to-robot or "
       "both:\n" +
       list_faults() + "\nCommands of the control socket, a line each, answered by a line:\n";
-  for (const hal::sim::ControlInfo& command : hal::sim::kControls) {
+  for (const hal::sim::ControlInfo& command : hal::sim::controls()) {
     const std::string usage = fmt::format("{} {}", command.name, command.arguments);
     text += fmt::format("  {:<52}  {}\n", usage, command.meaning);
   }

@@ -166,6 +166,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: fault_matrix [--seeds N] [--fault NAME] [--seed N]\n");
     return 2;
   }
+  if (!cargobay::campaign::all_named_faults_are_in()) {
+    std::fprintf(stderr, "a fault of the virtual Create has no case in fault_case.hpp\n");
+    return 1;
+  }
   const std::uint64_t failed = cargobay::campaign::run(*options);
   if (failed > 0) {
     std::fprintf(stderr, "%llu drives failed\n", static_cast<unsigned long long>(failed));

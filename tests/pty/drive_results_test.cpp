@@ -10,6 +10,7 @@
 namespace cargobay::test {
 namespace {
 
+using hal::sim::Device;
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;

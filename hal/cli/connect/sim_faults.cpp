@@ -33,7 +33,7 @@ hal::Result<PlannedFault> parse_fault(std::string_view text) {
 
 std::string list_faults() {
   std::string list;
-  for (const hal::sim::FaultInfo& fault : hal::sim::kFaults) {
+  for (const hal::sim::FaultInfo& fault : hal::sim::faults()) {
     const std::string usage = fmt::format("{} {}", fault.name, fault.arguments);
     list += fmt::format("  {:<26}  {}\n", usage, fault.meaning);
   }

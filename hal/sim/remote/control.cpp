@@ -1,6 +1,7 @@
 #include "hal/sim/remote/control.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <numbers>
 #include <optional>
@@ -51,12 +52,6 @@ bool* overcurrent(Inputs& inputs, std::string_view name) {
   if (name == "ld1") return &inputs.overcurrent_low_side_driver[1];
   return name == "ld2" ? &inputs.overcurrent_low_side_driver[2] : nullptr;
 }
-bool* single_switch(Inputs& inputs, std::string_view name) {
-  if (name == "wall") return &inputs.wall;
-  if (name == "virtual-wall") return &inputs.virtual_wall;
-  if (name == "charger") return &inputs.charger;
-  return name == "home-base" ? &inputs.home_base : nullptr;
-}
 
 // Sets the switch to what the last word of the command says.
 bool set_switch(bool* target, std::string_view rest) {
@@ -101,12 +96,14 @@ bool press(Device& device, std::string_view rest) {
   return true;
 }
 
-bool hold(Inputs& inputs, std::string_view rest, bool down) {
+bool set_button(Inputs& inputs, std::string_view rest, bool down) {
   const std::optional<oi::Button> which = button(next_word(rest));
   if (!which || !no_more_words(rest)) return false;
   (*which == oi::Button::play ? inputs.play_button : inputs.advance_button) = down;
   return true;
 }
+bool hold(Inputs& inputs, std::string_view rest) { return set_button(inputs, rest, true); }
+bool release(Inputs& inputs, std::string_view rest) { return set_button(inputs, rest, false); }
 
 bool set_digital_in(Inputs& inputs, std::string_view rest) {
   const std::optional<int> number = to_integer(next_word(rest), 0, 3);
@@ -157,13 +154,13 @@ bool change_battery(Device& device, std::string_view rest) {
   return true;
 }
 
-bool set_charging(Battery& battery, std::string_view rest) {
+bool set_charging(Device& device, std::string_view rest) {
   const std::string_view trouble = next_word(rest);
   const bool known = trouble == "normal" || trouble == "waiting" || trouble == "fault";
   if (!known || !no_more_words(rest)) return false;
-  battery.set_trouble(trouble == "fault"     ? ChargingTrouble::fault
-                      : trouble == "waiting" ? ChargingTrouble::waiting
-                                             : ChargingTrouble::none);
+  device.battery().set_trouble(trouble == "fault"     ? ChargingTrouble::fault
+                               : trouble == "waiting" ? ChargingTrouble::waiting
+                                                      : ChargingTrouble::none);
   return true;
 }
 
@@ -177,49 +174,108 @@ bool turn_wheels(Device& device, std::string_view rest) {
   return true;
 }
 
-bool apply_input(std::string_view name, std::string_view rest, Inputs& inputs) {
-  if (name == "bump") return set_bump(inputs, rest);
-  if (name == "cliff") return set_cliff(inputs, rest);
-  if (name == "wall") return set_wall(inputs, rest);
-  if (name == "hold") return hold(inputs, rest, true);
-  if (name == "release") return hold(inputs, rest, false);
-  if (name == "digital-in") return set_digital_in(inputs, rest);
-  if (name == "wheeldrop") {
-    bool* const drop = wheel_drop(inputs, next_word(rest));
-    return set_switch(drop, rest);
-  }
-  if (name == "overcurrent") {
-    bool* const load = overcurrent(inputs, next_word(rest));
-    return set_switch(load, rest);
-  }
-  if (name == "ir") {
-    return set_integer(rest, 255,
-                       [&](int value) { inputs.infrared = static_cast<std::uint8_t>(value); });
-  }
-  if (name == "analog-in") {
-    return set_integer(rest, 1023,
-                       [&](int value) { inputs.analog = static_cast<std::uint16_t>(value); });
-  }
-  return set_switch(single_switch(inputs, name), rest);
+bool set_infrared(Inputs& inputs, std::string_view rest) {
+  return set_integer(rest, 255,
+                     [&](int value) { inputs.infrared = static_cast<std::uint8_t>(value); });
 }
 
-bool apply(std::string_view name, std::string_view rest, Device& device) {
-  if (name == "power") {
-    if (!no_more_words(rest)) return false;
-    device.press_power();
-    return true;
-  }
-  if (name == "press") return press(device, rest);
-  if (name == "place") return place(device, rest);
-  if (name == "battery") return set_battery(device, rest);
-  if (name == "battery-pack") return change_battery(device, rest);
-  if (name == "charging") return set_charging(device.battery(), rest);
-  if (name == "turn-wheels") return turn_wheels(device, rest);
-  if (name == "brc") return set_level(rest, [&](bool high) { device.set_brc(high); });
-  if (name == "power-toggle")
-    return set_level(rest, [&](bool high) { device.set_power_toggle(high); });
-  return apply_input(name, rest, device.inputs());
+bool set_analog_in(Inputs& inputs, std::string_view rest) {
+  return set_integer(rest, 1023,
+                     [&](int value) { inputs.analog = static_cast<std::uint16_t>(value); });
 }
+
+bool set_wheel_drop(Inputs& inputs, std::string_view rest) {
+  bool* const drop = wheel_drop(inputs, next_word(rest));
+  return set_switch(drop, rest);
+}
+
+bool set_overcurrent(Inputs& inputs, std::string_view rest) {
+  bool* const load = overcurrent(inputs, next_word(rest));
+  return set_switch(load, rest);
+}
+
+bool press_power(Device& device, std::string_view rest) {
+  if (!no_more_words(rest)) return false;
+  device.press_power();
+  return true;
+}
+
+bool set_brc(Device& device, std::string_view rest) {
+  return set_level(rest, [&](bool high) { device.set_brc(high); });
+}
+
+bool set_power_toggle(Device& device, std::string_view rest) {
+  return set_level(rest, [&](bool high) { device.set_power_toggle(high); });
+}
+
+std::optional<std::string> fault(std::string_view rest, Cable& cable) {
+  while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
+  const std::string problem = apply_fault(rest, cable);
+  return problem.empty() ? "" : "error: " + problem;
+}
+
+std::optional<std::string> state(std::string_view rest, Cable& cable) {
+  if (!no_more_words(rest)) return std::nullopt;
+  return state_json(cable);
+}
+
+std::optional<std::string> help(std::string_view rest, Cable& cable);
+
+using Answer = std::optional<std::string>;
+Answer ok_if(bool done) { return done ? Answer{""} : std::nullopt; }
+
+// The handler of a row, from what it does to the robot, to its inputs, or to one of their switches.
+template <bool (*kSet)(Device&, std::string_view)>
+Answer to_robot(std::string_view rest, Cable& cable) {
+  return ok_if(kSet(cable.device(), rest));
+}
+template <bool (*kSet)(Inputs&, std::string_view)>
+Answer to_inputs(std::string_view rest, Cable& cable) {
+  return ok_if(kSet(cable.device().inputs(), rest));
+}
+template <bool Inputs::* kSwitch>
+Answer to_switch(std::string_view rest, Cable& cable) {
+  return ok_if(set_switch(&(cable.device().inputs().*kSwitch), rest));
+}
+
+constexpr std::array kControls{
+    ControlInfo{"power", "", "presses the power button", &to_robot<press_power>},
+    ControlInfo{"press", "play|advance [MS]", "presses a button, for 200 ms unless said otherwise",
+                &to_robot<press>},
+    ControlInfo{"hold", "play|advance", "holds a button down", &to_inputs<hold>},
+    ControlInfo{"release", "play|advance", "lets go of it", &to_inputs<release>},
+    ControlInfo{"bump", "none|left|right|both", "pushes the bumper", &to_inputs<set_bump>},
+    ControlInfo{"wheeldrop", "left|right|caster on|off", "lifts a wheel from the floor",
+                &to_inputs<set_wheel_drop>},
+    ControlInfo{"cliff", "left|front_left|front_right|right on|off", "takes the floor away",
+                &to_inputs<set_cliff>},
+    ControlInfo{"wall", "on|off", "holds something to the wall sensor", &to_inputs<set_wall>},
+    ControlInfo{"virtual-wall", "on|off", "shows it a virtual wall's beam",
+                &to_switch<&Inputs::virtual_wall>},
+    ControlInfo{"charger", "on|off", "plugs the charger in", &to_switch<&Inputs::charger>},
+    ControlInfo{"home-base", "on|off", "puts it on its Home Base", &to_switch<&Inputs::home_base>},
+    ControlInfo{"ir", "BYTE", "sends it an infrared byte until the next; 255 is none",
+                &to_inputs<set_infrared>},
+    ControlInfo{"digital-in", "N 0|1", "sets digital input 0 to 3", &to_inputs<set_digital_in>},
+    ControlInfo{"analog-in", "N", "sets the analog input, 0 to 1023", &to_inputs<set_analog_in>},
+    ControlInfo{"overcurrent", "left_wheel|right_wheel|ld0|ld1|ld2 on|off", "overloads an output",
+                &to_inputs<set_overcurrent>},
+    ControlInfo{"brc", "low|high", "sets the Baud Rate Change pin", &to_robot<set_brc>},
+    ControlInfo{"power-toggle", "low|high", "sets the power toggle pin",
+                &to_robot<set_power_toggle>},
+    ControlInfo{"battery", "MAH", "sets the charge", &to_robot<set_battery>},
+    ControlInfo{"battery-pack", "rechargeable|alkaline",
+                "puts a full one in, which it forgets all over", &to_robot<change_battery>},
+    ControlInfo{"charging", "normal|waiting|fault",
+                "gives its charger something to wait for or a fault", &to_robot<set_charging>},
+    ControlInfo{"place", "X_MM Y_MM HEADING_DEG", "puts it there", &to_robot<place>},
+    ControlInfo{"turn-wheels", "LEFT_MM_S RIGHT_MM_S",
+                "turns its wheels by hand while its motors are off", &to_robot<turn_wheels>},
+    ControlInfo{"fault", "NAME [ARGUMENTS]", "makes something go wrong; `fault` alone lists what",
+                &fault},
+    ControlInfo{"state", "", "tells all about it, as JSON", &state},
+    ControlInfo{"help", "", "lists these", &help},
+};
 
 std::string names() {
   std::string list;
@@ -228,7 +284,14 @@ std::string names() {
   return list;
 }
 
+std::optional<std::string> help(std::string_view rest, Cable& /*cable*/) {
+  if (!no_more_words(rest)) return std::nullopt;
+  return "ok " + names();
+}
+
 }  // namespace
+
+std::span<const ControlInfo> controls() { return kControls; }
 
 std::string control(std::string_view line, Cable& cable) {
   std::string_view rest = line;
@@ -239,14 +302,8 @@ std::string control(std::string_view line, Cable& cable) {
   if (info == kControls.end()) {
     return "error: no command is called '" + std::string{name} + "'; there are: " + names();
   }
-  if (name == "state" && no_more_words(rest)) return state_json(cable);
-  if (name == "help" && no_more_words(rest)) return "ok " + names();
-  if (name == "fault") {
-    while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
-    const std::string problem = apply_fault(rest, cable);
-    return problem.empty() ? "ok" : "error: " + problem;
-  }
-  if (apply(name, rest, cable.device())) return "ok";
+  if (const std::optional<std::string> answer = info->apply(rest, cable))
+    return answer->empty() ? "ok" : *answer;
   std::string usage{name};
   if (!info->arguments.empty()) usage += " " + std::string{info->arguments};
   return "error: it is '" + usage + "'";

@@ -1,6 +1,7 @@
 #include "hal/sim/remote/fault_command.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -79,58 +80,106 @@ bool set_wrong_baud(std::string_view rest, Cable& cable) {
   return true;
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one flat list of names
-bool apply(std::string_view name, std::string_view rest, Cable& cable) {
-  DeviceFaults& robot = cable.device().faults();
-  const bool bare = rest.find_first_not_of(" \t") == std::string_view::npos;
-  if (name == "none" && bare) {
-    cable.faults_to_host() = {};
-    cable.faults_to_robot() = {};
-    robot = {};
-    return true;
-  }
-  if (name == "lost") return set_probability(&ByteFaults::lost, rest, cable);
-  if (name == "flipped") return set_probability(&ByteFaults::flipped, rest, cable);
-  if (name == "duplicated") return set_probability(&ByteFaults::duplicated, rest, cable);
-  if (name == "inserted") return set_probability(&ByteFaults::inserted, rest, cable);
-  if (name == "held") return set_held(rest, cable);
-  if (name == "burst") return set_burst(rest, cable);
-  if (name == "wrong-baud") return set_wrong_baud(rest, cable);
-  if (name == "unplugged" && bare) return set_unplugged(true, cable);
-  if (name == "replugged" && bare) return set_unplugged(false, cable);
-  if (name == "brown-out" && bare) {
-    cable.device().brown_out();
-    return true;
-  }
-  if (name == "half-command" && bare) {
-    cable.device().take_half_command();
-    return true;
-  }
-  if (name == "text") {
-    std::string line{bare ? kText : rest.substr(rest.find_first_not_of(" \t"))};
-    cable.device().print(line + "\r\n");
-    return true;
-  }
-  if (name == "garbled-frame" || name == "junk-reading") {
-    const std::optional<std::uint32_t> wanted = count(rest, name == "garbled-frame" ? 1 : 2);
-    if (!wanted) return false;
-    (name == "garbled-frame" ? robot.garbled_frames : robot.junk_readings) = *wanted;
-    return true;
-  }
-  if (name == "stalled-stream" || name == "jitter") {
-    const std::optional<double> ms = to_number(next_word(rest), 0.0, kLongestMs);
-    if (!ms || !no_more_words(rest)) return false;
-    if (name == "jitter") {
-      cable.faults_to_host().jitter = milliseconds(*ms);
-    } else {
-      robot.stalled_until = cable.now() + milliseconds(*ms);
-    }
-    return true;
-  }
-  return false;
+bool set_milliseconds(std::string_view rest, rt::Duration& duration) {
+  const std::optional<double> ms = to_number(next_word(rest), 0.0, kLongestMs);
+  if (!ms || !no_more_words(rest)) return false;
+  duration = milliseconds(*ms);
+  return true;
 }
 
+bool set_count(std::string_view rest, std::uint32_t otherwise, std::uint32_t& number) {
+  const std::optional<std::uint32_t> wanted = count(rest, otherwise);
+  if (wanted) number = *wanted;
+  return wanted.has_value();
+}
+
+bool stall_stream(std::string_view rest, Cable& cable) {
+  rt::Duration duration{};
+  if (!set_milliseconds(rest, duration)) return false;
+  cable.device().faults().stalled_until = cable.now() + duration;
+  return true;
+}
+
+bool print_text(std::string_view rest, Cable& cable) {
+  const std::string_view words =
+      no_more_words(rest) ? kText : rest.substr(rest.find_first_not_of(" \t"));
+  cable.device().print(std::string{words} + "\r\n");
+  return true;
+}
+
+bool end_all(Cable& cable) {
+  cable.faults_to_host() = {};
+  cable.faults_to_robot() = {};
+  cable.device().faults() = {};
+  return true;
+}
+
+constexpr std::array kFaults{
+    FaultInfo{
+        "none", "", "ends all faults of the line, and those of the robot that last",
+        [](std::string_view rest, Cable& cable) { return no_more_words(rest) && end_all(cable); }},
+    FaultInfo{"lost", "P [DIRECTION]", "bytes are lost",
+              [](std::string_view rest, Cable& cable) {
+                return set_probability(&ByteFaults::lost, rest, cable);
+              }},
+    FaultInfo{"flipped", "P [DIRECTION]", "bytes arrive with one bit flipped",
+              [](std::string_view rest, Cable& cable) {
+                return set_probability(&ByteFaults::flipped, rest, cable);
+              }},
+    FaultInfo{"duplicated", "P [DIRECTION]", "bytes arrive twice",
+              [](std::string_view rest, Cable& cable) {
+                return set_probability(&ByteFaults::duplicated, rest, cable);
+              }},
+    FaultInfo{"inserted", "P [DIRECTION]", "random bytes arrive behind others",
+              [](std::string_view rest, Cable& cable) {
+                return set_probability(&ByteFaults::inserted, rest, cable);
+              }},
+    FaultInfo{"garbled-frame", "[COUNT]", "the next stream frames are garbled",
+              [](std::string_view rest, Cable& cable) {
+                return set_count(rest, 1, cable.device().faults().garbled_frames);
+              }},
+    FaultInfo{"stalled-stream", "MS", "the stream has no frames for so long", &stall_stream},
+    FaultInfo{"burst", "on|off", "bytes arrive as through a USB adapter with a 16 ms timer",
+              &set_burst},
+    FaultInfo{"jitter", "MS", "each byte arrives up to so much later; 0 ends it",
+              [](std::string_view rest, Cable& cable) {
+                return set_milliseconds(rest, cable.faults_to_host().jitter);
+              }},
+    FaultInfo{"held", "N MS",
+              "each Nth frame is held back for so long, and what follows queues; 0 ends it",
+              &set_held},
+    FaultInfo{"unplugged", "", "nothing goes through the line any more",
+              [](std::string_view rest, Cable& cable) {
+                return no_more_words(rest) && set_unplugged(true, cable);
+              }},
+    FaultInfo{"replugged", "", "the line is whole again",
+              [](std::string_view rest, Cable& cable) {
+                return no_more_words(rest) && set_unplugged(false, cable);
+              }},
+    FaultInfo{"brown-out", "",
+              "the battery fails for an instant: the robot boots and has forgotten all",
+              [](std::string_view rest, Cable& cable) {
+                if (!no_more_words(rest)) return false;
+                cable.device().brown_out();
+                return true;
+              }},
+    FaultInfo{"wrong-baud", "BAUD", "the robot changes its rate by itself", &set_wrong_baud},
+    FaultInfo{"half-command", "", "the robot waits for the data of a command that nobody sent",
+              [](std::string_view rest, Cable& cable) {
+                if (!no_more_words(rest)) return false;
+                cable.device().take_half_command();
+                return true;
+              }},
+    FaultInfo{"junk-reading", "[COUNT]", "the next distances and angles read are junk",
+              [](std::string_view rest, Cable& cable) {
+                return set_count(rest, 2, cable.device().faults().junk_readings);
+              }},
+    FaultInfo{"text", "[WORDS]", "the robot prints a line, wherever its stream is", &print_text},
+};
+
 }  // namespace
+
+std::span<const FaultInfo> faults() { return kFaults; }
 
 std::string apply_fault(std::string_view command, Cable& cable) {
   std::string_view rest = command;
@@ -143,7 +192,7 @@ std::string apply_fault(std::string_view command, Cable& cable) {
     for (const FaultInfo& fault : kFaults) message += " " + std::string{fault.name};
     return message;
   }
-  if (apply(name, rest, cable)) return {};
+  if (info->apply(rest, cable)) return {};
   std::string usage{name};
   if (!info->arguments.empty()) usage += " " + std::string{info->arguments};
   return "it is '" + usage + "'";

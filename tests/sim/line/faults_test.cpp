@@ -294,7 +294,7 @@ TEST(Faults, SayWhatIsWrongWithACommand) {
 
 TEST(Faults, AreAllKnownByTheirNames) {
   Streaming robot;
-  for (const FaultInfo& fault : kFaults) {
+  for (const FaultInfo& fault : faults()) {
     const std::string message = robot.fault(std::string{fault.name} + " 1 2 3 4");
     EXPECT_EQ(message.find("no fault is called"), std::string::npos) << fault.name;
   }

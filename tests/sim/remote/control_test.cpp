@@ -271,7 +271,7 @@ TEST(Control, SaysWhatIsWrong) {
 
 TEST(Control, AnswersEveryCommandThatItLists) {
   Controlled robot;
-  for (const ControlInfo& info : kControls) {
+  for (const ControlInfo& info : controls()) {
     const std::string answer = robot.say(info.name);
     EXPECT_EQ(answer.find("no command is called"), std::string::npos) << info.name;
     EXPECT_EQ(answer.find('\n'), std::string::npos) << info.name;

@@ -80,7 +80,7 @@ std::string line_of(std::initializer_list<std::string_view> words) {
 
 TEST(HostileControl, IsRefusedInEachCommandByWhatItShouldBe) {
   StandingRobot robot;
-  for (const ControlInfo& info : kControls) {
+  for (const ControlInfo& info : controls()) {
     const std::string name{info.name};
     if (name == "fault") continue;  // below
     for (const std::string& word : hostile_words()) {
@@ -98,7 +98,7 @@ TEST(HostileControl, IsRefusedInEachCommandByWhatItShouldBe) {
 
 TEST(HostileControl, IsRefusedInEachFault) {
   StandingRobot robot;
-  for (const FaultInfo& info : kFaults) {
+  for (const FaultInfo& info : faults()) {
     const std::string name{info.name};
     if (name == "text") continue;  // takes any words, which the robot prints
     for (const std::string& word : hostile_words()) {
