@@ -70,7 +70,7 @@ require = true
   EXPECT_EQ(config.priority, 70);
   EXPECT_EQ(config.cpu, 3);
   EXPECT_TRUE(config.require_realtime);
-  ControlCycle::Parameters parameters;
+  CycleParameters parameters;
   apply(config, parameters);
   EXPECT_EQ(parameters.loop.estimator.wheel_base_mm, 260.0);
   EXPECT_EQ(parameters.loop.estimator.lag_s, 0.12);

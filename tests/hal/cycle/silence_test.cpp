@@ -10,8 +10,8 @@ namespace {
 using namespace std::chrono_literals;
 using Due = Silence::Due;
 
-constexpr rt::TimePoint at(rt::Duration time) { return rt::TimePoint{time}; }
-constexpr Silence::Limits kLimits{.tick = 15ms, .stop_after = 150ms, .link_timeout = 1s};
+constexpr rt::TimePoint moment(rt::Duration time) { return rt::TimePoint{time}; }
+constexpr Silence::Limits kSilenceLimits{.tick = 15ms, .stop_after = 150ms, .link_timeout = 1s};
 
 // What was due, by deadlines from the last frame (at 0) until `end`.
 struct Dues {
@@ -21,9 +21,9 @@ struct Dues {
 };
 Dues until(Silence& silence, rt::Duration end) {
   Dues dues;
-  while (silence.deadline() < at(end)) {
+  while (silence.deadline() < moment(end)) {
     const rt::TimePoint now = silence.deadline();
-    const Due due = silence.deadline_passed(now, at(0ms));
+    const Due due = silence.deadline_passed(now, moment(0ms));
     if (due == Due::stop) {
       ++dues.stops;
       dues.stop_at = now.time_since_epoch();
@@ -37,8 +37,8 @@ Dues until(Silence& silence, rt::Duration end) {
 }
 
 TEST(Silence, StopsOnceAndThenGivesTheLinkUp) {
-  Silence silence{kLimits};
-  (void)silence.end(at(20ms));
+  Silence silence{kSilenceLimits};
+  (void)silence.end(moment(20ms));
   const Dues dues = until(silence, 2s);
   EXPECT_EQ(dues.stops, 1);
   EXPECT_EQ(dues.stop_at, 155ms) << "the first deadline of a tick past 150 ms";
@@ -46,29 +46,29 @@ TEST(Silence, StopsOnceAndThenGivesTheLinkUp) {
 }
 
 TEST(Silence, BeginsWithTheTimeUntilTheStop) {
-  Silence silence{kLimits};
-  silence.begin(at(0ms));
-  EXPECT_EQ(silence.deadline(), at(150ms));
+  Silence silence{kSilenceLimits};
+  silence.begin(moment(0ms));
+  EXPECT_EQ(silence.deadline(), moment(150ms));
 }
 
 TEST(Silence, ThatWasAnnouncedLosesNoLinkAndStopsAllTheSame) {
-  Silence silence{kLimits};
-  (void)silence.end(at(20ms));
+  Silence silence{kSilenceLimits};
+  (void)silence.end(moment(20ms));
   silence.announce(3s);
   EXPECT_EQ(until(silence, 500ms).stops, 1) << "not taken up yet";
-  silence.take_up_announced(at(500ms));
+  silence.take_up_announced(moment(500ms));
   EXPECT_EQ(until(silence, 3490ms).lost_at, 0ms);
   EXPECT_GE(until(silence, 5s).lost_at, 3500ms);
 }
 
 TEST(Silence, SaysAtItsEndWhetherTheWheelsWereStopped) {
-  Silence silence{kLimits};
-  EXPECT_FALSE(silence.end(at(20ms)));
+  Silence silence{kSilenceLimits};
+  EXPECT_FALSE(silence.end(moment(20ms)));
   (void)until(silence, 400ms);
   silence.owe_stop(true);
-  EXPECT_TRUE(silence.end(at(420ms)));
+  EXPECT_TRUE(silence.end(moment(420ms)));
   EXPECT_FALSE(silence.owes_stop());
-  EXPECT_FALSE(silence.end(at(440ms)));
+  EXPECT_FALSE(silence.end(moment(440ms)));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr UserControl::Limits kLimits{.tick = 15ms, .budget = 2ms, .overruns_allowed = 2};
+constexpr UserControl::Limits kControlLimits{.tick = 15ms, .budget = 2ms, .overruns_allowed = 2};
 
 // Answers what it is told to, and keeps the time that it was given.
 struct Program {
@@ -28,7 +28,7 @@ class UserControlTest : public testing::Test {
  protected:
   UserControlTest() { control_.set({.function = &Program::control, .context = &program_}); }
   Program program_{};
-  UserControl control_{kLimits};
+  UserControl control_{kControlLimits};
 };
 
 TEST_F(UserControlTest, IsGivenRobotTime) {
@@ -62,7 +62,7 @@ TEST_F(UserControlTest, CountsOverrunsInARow) {
 }
 
 TEST(UserControl, ThatIsNotSetHasNoBudget) {
-  UserControl control{kLimits};
+  UserControl control{kControlLimits};
   EXPECT_FALSE(control.is_set());
   EXPECT_FALSE(control.over_budget(1s));
 }
