@@ -21,7 +21,7 @@ std::optional<unsigned> offset_of(std::string_view line) {
 
 bool denied(const ChipInfo& chip) { return chip.error == EACCES || chip.error == EPERM; }
 
-// A link to a chip means the chip.
+// A link to a chip stands for the chip.
 std::string resolved(const std::string& path) {
   std::error_code error;
   const std::filesystem::path real = std::filesystem::canonical(path, error);
@@ -30,7 +30,7 @@ std::string resolved(const std::string& path) {
 
 std::string described(const ChipInfo& chip) { return chip.name + " [" + chip.label + "]"; }
 
-// The chips that an address may mean; of one that may not be opened only the name is known.
+// The chips that an address may mean; if a chip may not be opened, only its name is known.
 std::vector<const ChipInfo*> meant(std::span<const ChipInfo> chips, const std::string& wanted) {
   const std::string path = wanted.starts_with('/') ? resolved(wanted) : "/dev/" + wanted;
   std::vector<const ChipInfo*> found;
@@ -54,7 +54,7 @@ void forbid(const ChipInfo& chip, LineError& error) {
   error.error = chip.error;
 }
 
-// Every chip that was meant could not be opened for that reason, or there is none.
+// No chip was found. If one may not be opened, it may have been the one; otherwise there is none.
 void no_chip(std::span<const ChipInfo> chips, LineError& error) {
   if (const ChipInfo* chip = first_denied(chips)) return forbid(*chip, error);
   error.kind = chips.empty() ? Kind::no_chips : Kind::no_such_chip;

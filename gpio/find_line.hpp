@@ -1,4 +1,4 @@
-// Which line an address means, among the chips that there are. Knows nothing of libgpiod.
+// Which line an address means, among the chips present. Knows nothing of libgpiod.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct FoundLine {
   unsigned offset = 0;
 };
 
-// Nothing, and `error` set, where none or several are meant, or it is held by somebody.
+// Nothing, with `error` set, if none or several are meant, or if another process holds the line.
 std::optional<FoundLine> find_line(std::span<const ChipInfo> chips, const LineAddress& address,
                                    LineError& error);
 // Why a line that was found was refused, by the errno of the request.

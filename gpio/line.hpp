@@ -14,7 +14,7 @@
 
 namespace cargobay::gpio {
 
-// Under this name the kernel lists who holds a line.
+// The name under which the kernel lists us as the holder of a line.
 inline constexpr const char* kConsumer = "cargobay";
 
 struct LineAddress {
@@ -24,14 +24,14 @@ struct LineAddress {
   std::string line{};  // the line's name ("GPIO17"), or its offset in decimal
 };
 
-// direct: a high level at the robot is a high level of the line. inverted ("active low"): a
-// transistor between them turns it round.
+// direct: a high level at the robot is a high level on the line. inverted ("active low"): a
+// transistor between them inverts it.
 enum class Polarity : std::uint8_t { direct, inverted };
 enum class Drive : std::uint8_t { push_pull, open_drain };
 enum class Bias : std::uint8_t { as_is, disabled, pull_up, pull_down };
 
 struct OutputOptions {
-  Level released = Level::high;  // the level it has from the request on, and is left with
+  Level released = Level::high;  // the level from the request on, and the one it is left with
   Polarity polarity = Polarity::direct;
   Drive drive = Drive::push_pull;
   Bias bias = Bias::as_is;
@@ -44,9 +44,9 @@ struct InputOptions {
 };
 
 struct LineInfo {
-  std::string name{};  // empty where it has none
+  std::string name{};  // empty if it has none
   bool used = false;
-  std::string consumer{};  // who holds it; may be empty all the same
+  std::string consumer{};  // who holds it; may be empty even if it is used
 };
 
 struct ChipInfo {
@@ -54,14 +54,14 @@ struct ChipInfo {
   std::string name{};
   std::string label{};
   std::vector<LineInfo> lines{};  // by offset
-  int error = 0;                  // errno where it cannot be opened: then only the path is known
-  std::string group{};            // the group that owns its device file; empty where unknown
+  int error = 0;                  // errno if it cannot be opened: then only the path is known
+  std::string group{};            // the group that owns its device file; empty if unknown
 };
 
 // Why there is no line.
 struct LineError {
   enum class Kind : std::uint8_t {
-    no_chips,  // none in this machine
+    no_chips,  // this machine has none
     no_such_chip,
     ambiguous_chip,  // several have that label
     no_such_line,
@@ -73,16 +73,16 @@ struct LineError {
   Kind kind = Kind::system;
   LineAddress address{};
   std::vector<std::string> candidates{};  // what there is, or what it could mean
-  std::string holder{};                   // busy: the consumer; empty where the kernel has no name
+  std::string holder{};                   // busy: the consumer; empty if the kernel has no name
   std::string path{};                     // of the chip
-  std::string group{};                    // no_permission: who owns it
+  std::string group{};                    // no_permission: the group that owns the device file
   int error = 0;
 };
 
 // One line: what is wrong, and what to do about it.
 std::string explain(const LineError& error);
 
-// What there is: every /dev/gpiochip*, links apart. Blocks for a few ms; allocates.
+// Every /dev/gpiochip* of this machine, except links. Blocks for a few ms; allocates.
 std::vector<ChipInfo> chips();
 
 class InputLine : public Input {
@@ -91,16 +91,16 @@ class InputLine : public Input {
     Level level = Level::low;  // from now on
     std::chrono::steady_clock::time_point time{};
   };
-  // Where edges were asked for: blocks until one comes, or the deadline has passed (nothing). Those
-  // that came since the last call come first. An unplugged chip is nothing, at once.
+  // If edges were asked for: blocks until one comes, or until the deadline has passed (nothing).
+  // Edges since the last call come first. If the chip is unplugged: nothing, at once.
   virtual std::optional<EdgeEvent> wait_for_edge(
       std::chrono::steady_clock::time_point deadline) = 0;
 };
 
-// Requests the line for this process alone, at its released level from the first instant. It is set
-// to that level again when the object is destroyed, and then given back: many drivers, the Pi's
-// among them, make it an input then, so a resistor should hold the released level too. Nothing, and
-// `error` set, where the line is not to be had. Blocks for a few ms; allocates.
+// Requests the line for this process alone, at its released level from the first instant. When the
+// object is destroyed, it sets the line to that level again and gives it back: many drivers, the
+// Pi's among them, then make it an input, so a resistor should hold the released level too.
+// Nothing, with `error` set, if the line is not available. Blocks for a few ms; allocates.
 std::unique_ptr<Output> open_output(const LineAddress& address, const OutputOptions& options,
                                     LineError& error);
 std::unique_ptr<InputLine> open_input(const LineAddress& address, const InputOptions& options,

@@ -11,7 +11,7 @@ std::string listed(const std::vector<std::string>& names) {
   return list;
 }
 
-// Who may open the device file decides what helps.
+// What helps depends on who may open the device file.
 std::string permission_remedy(const std::string& group) {
   if (!group.empty() && group != "root") {
     return "join the group " + group + " (sudo adduser $USER " + group + ") and log in again";

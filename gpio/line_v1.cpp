@@ -33,7 +33,7 @@ ChipInfo describe(const std::string& path) {
   info.lines.resize(gpiod_chip_num_lines(chip.get()));
   for (unsigned offset = 0; offset < info.lines.size(); ++offset) {
     gpiod_line* line = gpiod_chip_get_line(chip.get(), offset);
-    if (line == nullptr) continue;  // went meanwhile: a line without a name
+    if (line == nullptr) continue;  // gone meanwhile: a line without a name
     info.lines[offset] = {.name = text(gpiod_line_name(line)),
                           .used = gpiod_line_is_used(line),
                           .consumer = text(gpiod_line_consumer(line))};
@@ -58,7 +58,7 @@ int value(Level level) { return level == Level::high ? 1 : 0; }
 // A requested line and its chip; closing the chip gives the line back.
 struct Requested {
   Chip chip{};
-  gpiod_line* line = nullptr;  // the chip's
+  gpiod_line* line = nullptr;  // owned by the chip
 };
 
 std::optional<Requested> request(const LineAddress& address, int type, int flags, int initial,
@@ -82,7 +82,7 @@ class RequestedOutput final : public Output {
  public:
   RequestedOutput(Requested requested, Level released)
       : requested_{std::move(requested)}, released_{released} {}
-  ~RequestedOutput() override { (void)set(released_); }  // nobody is left to be told
+  ~RequestedOutput() override { (void)set(released_); }  // nothing is left to report to
   RequestedOutput(const RequestedOutput&) = delete;
   RequestedOutput& operator=(const RequestedOutput&) = delete;
 

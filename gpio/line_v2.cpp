@@ -42,7 +42,7 @@ ChipInfo describe(const std::string& path) {
   info.lines.resize(gpiod_chip_info_get_num_lines(description.get()));
   for (unsigned offset = 0; offset < info.lines.size(); ++offset) {
     const LineDescription line{gpiod_chip_get_line_info(chip.get(), offset)};
-    if (!line) continue;  // went meanwhile: a line without a name
+    if (!line) continue;  // gone meanwhile: a line without a name
     info.lines[offset] = {.name = text(gpiod_line_info_get_name(line.get())),
                           .used = gpiod_line_info_is_used(line.get()),
                           .consumer = text(gpiod_line_info_get_consumer(line.get()))};
@@ -68,13 +68,13 @@ Settings settings(Polarity polarity, Bias wanted_bias) {
   Settings settings{gpiod_line_settings_new()};
   if (!settings) return settings;
   gpiod_line_settings_set_active_low(settings.get(), polarity == Polarity::inverted);
-  // The setters fail only for values that are none of their kind.
+  // The setters fail only for values that their enumeration does not have.
   (void)gpiod_line_settings_set_bias(settings.get(), bias(wanted_bias));
   return settings;
 }
 
 struct Requested {
-  Request request{};  // outlives its chip's handle
+  Request request{};  // stays valid after its chip is closed
   unsigned offset = 0;
 };
 
@@ -103,7 +103,7 @@ class RequestedOutput final : public Output {
  public:
   RequestedOutput(Requested requested, Level released)
       : requested_{std::move(requested)}, released_{released} {}
-  ~RequestedOutput() override { (void)set(released_); }  // nobody is left to be told
+  ~RequestedOutput() override { (void)set(released_); }  // nothing is left to report to
   RequestedOutput(const RequestedOutput&) = delete;
   RequestedOutput& operator=(const RequestedOutput&) = delete;
 

@@ -8,7 +8,7 @@
 
 namespace cargobay::gpio {
 
-// Levels are those at the robot's pin, whatever stands between it and the line.
+// Levels are those at the robot's pin, whatever is between it and the line.
 class Output {
  public:
   Output() = default;
@@ -25,7 +25,7 @@ class Input {
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
   virtual ~Input() = default;
-  // Returns at once; nothing where it cannot be read.
+  // Returns at once; nothing if the level cannot be read.
   virtual std::optional<Level> level() = 0;
 };
 

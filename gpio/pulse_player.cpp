@@ -6,7 +6,7 @@
 namespace cargobay::gpio {
 namespace {
 
-// From `scheduled`, unless the edge came so late that the pulse would suffer.
+// Counted from `scheduled`, unless the edge came so late that the pulse would suffer.
 PulseClock::TimePoint end_of(const Pulse& pulse, PulseClock::TimePoint scheduled,
                              PulseClock::TimePoint edge) {
   const bool late = edge - scheduled > pulse.duration / 4;

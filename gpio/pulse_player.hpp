@@ -1,4 +1,4 @@
-// Plays a pulse train on a pin, and tells how long each pulse really was.
+// Plays a pulse train on a pin, and reports how long each pulse really was.
 #pragma once
 
 #include <array>
@@ -22,11 +22,11 @@ class PulseClock {
   PulseClock& operator=(const PulseClock&) = delete;
   virtual ~PulseClock() = default;
   virtual TimePoint now() = 0;
-  // Blocks until then, not less. False where the playing is to end instead.
+  // Blocks until `deadline`, not less. False if playing should stop instead.
   [[nodiscard]] virtual bool wait_until(TimePoint deadline) = 0;
 };
 
-// The clock itself, waited on with clock_nanosleep; never ends a playing.
+// The clock itself, waited on with clock_nanosleep; never stops playing.
 class MonotonicClock final : public PulseClock {
  public:
   TimePoint now() override;
@@ -41,17 +41,17 @@ struct PlayedPulse {
 struct PlayReport {
   std::array<PlayedPulse, kMostPulses> played{};
   std::size_t count = 0;         // pulses that were played whole
-  bool interrupted = false;      // the clock said so
+  bool interrupted = false;      // by the clock
   std::error_code line_error{};  // of the pin
 
   std::span<const PlayedPulse> pulses() const { return {played.data(), count}; }
   bool complete() const { return !interrupted && !line_error; }
 };
 
-// Blocks for the train's duration, or until the clock ends it. Each edge has an absolute deadline
-// from the first on: no lateness adds up. Where one is late by over a quarter of the pulse that
-// begins with it, the rest moves with it instead of making that pulse short. However it ends, the
-// pin is set to `released` last.
+// Blocks for the train's duration, or until the clock stops it. Each edge has an absolute deadline
+// counted from the first edge, so delays do not add up. If an edge is late by over a quarter of the
+// pulse that begins with it, the rest is shifted with it, so that this pulse is not cut short.
+// However it ends, the pin is set to `released` last.
 PlayReport play(const PulseTrain& train, Output& pin, PulseClock& clock, Level released);
 
 }  // namespace cargobay::gpio

@@ -1,4 +1,4 @@
-// Signals on a line as data: levels and how long each lasts. Playing them is another file's work.
+// Signals on a line as data: levels and how long each lasts. They are played elsewhere.
 #pragma once
 
 #include <array>
@@ -43,8 +43,8 @@ class PulseTrain {
   std::size_t count_ = 0;
 };
 
-// Baud Rate Change (OI p. 5): after it is switched on the robot wants this long a pause, then three
-// low pulses, each of 50 to 500 ms; it talks at 19200 baud from there.
+// Baud Rate Change (OI p. 5): after it is switched on, the robot wants a pause of this length, then
+// three low pulses, each of 50 to 500 ms; from then on it talks at 19200 baud.
 inline constexpr std::chrono::milliseconds kBrcWaitAfterPowerOn{2000};
 inline constexpr int kBrcPulses = 3;
 inline constexpr std::chrono::milliseconds kBrcLeastWidth{50};
@@ -52,8 +52,8 @@ inline constexpr std::chrono::milliseconds kBrcMostWidth{500};
 // What host software for this robot uses: the middle of what the manual allows.
 inline constexpr std::chrono::milliseconds kBrcWidth{250};
 
-// The three pulses; the line ends high, released. The high level between them is held to the same
-// limits as the low. Nothing where a width is outside them.
+// The three pulses; the line ends high, released. The high level between them must keep to the same
+// limits as the low. Nothing if a width is outside them.
 constexpr std::optional<PulseTrain> brc_pulses(std::chrono::milliseconds low = kBrcWidth,
                                                std::chrono::milliseconds high = kBrcWidth) {
   for (const std::chrono::milliseconds width : {low, high}) {

@@ -1,4 +1,4 @@
-// What a step of the set-up returns: a value, or a failure that a person can act on.
+// What a set-up step returns: a value, or a failure that the user can act on.
 #pragma once
 
 #include <cassert>
@@ -12,7 +12,7 @@ namespace cargobay::hal {
 // One line: what failed, and what to do about it.
 struct Failure {
   std::string message;
-  std::error_code code{};  // the system's, where there is one
+  std::error_code code{};  // the system's, if there is one
 };
 
 template <typename T>

@@ -14,7 +14,7 @@ inline constexpr std::array<std::uint32_t, 12> kBaudRates{
 inline constexpr std::uint32_t kDefaultBaud = 57600;
 inline constexpr std::uint32_t kBrcBaud = 19200;  // after three pulses on the Baud Rate Change pin
 
-// The code of a baud rate; nothing for a rate the robot does not know.
+// The code of a baud rate; nothing for a rate that the robot does not know.
 constexpr std::optional<std::uint8_t> baud_code(std::uint32_t baud) {
   for (std::size_t code = 0; code < kBaudRates.size(); ++code) {
     if (kBaudRates[code] == baud) return static_cast<std::uint8_t>(code);

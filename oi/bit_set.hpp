@@ -14,7 +14,7 @@ class BitSet {
   constexpr std::uint8_t raw() const { return raw_; }
   constexpr bool has(Flag flag) const { return (raw_ & mask(flag)) != 0; }
   constexpr bool any() const { return raw_ != 0; }
-  // This set with the flag in it.
+  // This set with the flag added.
   constexpr BitSet with(Flag flag) const {
     return BitSet{static_cast<std::uint8_t>(raw_ | mask(flag))};
   }

@@ -1,6 +1,6 @@
 // The checksum that ends a stream frame: it makes the low byte of a sum zero (OI p. 14).
 //
-// The manual leaves the header 19 out of that sum, real robots take it in.
+// The manual leaves the header 19 out of that sum; real robots include it.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ constexpr std::uint8_t checksum_of(std::span<const std::uint8_t> bytes, Checksum
 }
 
 // Whether a whole frame, header to checksum, ends in the checksum of that form; automatic: of
-// either form. No frame is of both.
+// either form. No frame matches both.
 constexpr bool checksum_matches(std::span<const std::uint8_t> frame, Checksum form) {
   const std::uint8_t sum = byte_sum(frame);
   const bool including = sum == 0;

@@ -12,7 +12,7 @@
 
 namespace cargobay::oi {
 
-// In the order of kCommands, so that index() is an index of it.
+// In the order of kCommands, so that index() is an index into it.
 using Command =
     std::variant<Start, Baud, Control, Safe, Full, Spot, Cover, Demo, Drive, LowSideDrivers, Leds,
                  Song, Play, Sensors, CoverAndDock, PwmLowSideDrivers, DriveDirect, DigitalOutputs,
@@ -24,7 +24,7 @@ constexpr const CommandInfo& info(const Command& command) { return kCommands[com
 
 using EncodedAnyCommand = FixedList<std::uint8_t, kMaxCommandBytes>;
 
-// The command's bytes; nothing where a value is outside its range, as for the command itself
+// The command's bytes; nothing if a value is outside its range, as for the command itself
 // (oi/encode.hpp).
 std::optional<EncodedAnyCommand> encode(const Command& command);
 

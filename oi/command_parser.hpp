@@ -1,7 +1,7 @@
 // Bytes to whole commands, one byte at a time: the robot's side of the line.
 //
 // It divides the bytes exactly as the robot does and judges no value: a Song of 255 notes is
-// swallowed whole before anybody refuses it (oi/parse.hpp does). A half-sent command therefore
+// swallowed whole before anything refuses it (oi/parse.hpp does). A half-sent command therefore
 // takes what follows as its data. Every sequence of bytes is safe; 520 bytes of state, no heap.
 #pragma once
 
@@ -30,19 +30,19 @@ class CommandParser {
     return length_ < expected_ ? Outcome::incomplete : Outcome::command;
   }
 
-  // The entry of the command that is complete or under way; after reset() or an unknown opcode
-  // there is none to ask for.
+  // The entry of the command that is complete or in progress. Must not be called after reset() or
+  // an unknown opcode.
   constexpr const CommandInfo& info() const {
     assert(info_ != nullptr);
     return *info_;
   }
   // After `command` the whole command with its opcode, after `unknown_opcode` that byte, otherwise
-  // what has come of the command under way. Valid until the next push.
+  // what has arrived of the command in progress. Valid until the next push.
   constexpr std::span<const std::uint8_t> bytes() const { return {bytes_.data(), length_}; }
-  // So many bytes, at least, complete the command under way; 0 between commands.
+  // At least this many more bytes complete the command in progress; 0 between commands.
   constexpr std::size_t needed() const { return expected_ - length_; }
 
-  // Forgets a command under way.
+  // Forgets a command in progress.
   constexpr void reset() noexcept {
     info_ = nullptr;
     length_ = 0;
@@ -62,7 +62,7 @@ class CommandParser {
     return expected_ == 1 ? Outcome::command : Outcome::incomplete;
   }
 
-  // As far as the bytes tell: up to the length byte while that has not come.
+  // As far as the bytes tell: up to the length byte until that has arrived.
   constexpr std::size_t length_of_command() const {
     const std::size_t length = command_length(*info_, bytes());
     return length != 0 ? length : 1 + info_->argument_bytes();

@@ -1,8 +1,8 @@
 // The commands of the Open Interface (OI p. 7 to 16, 22), the one source for encoder, parser,
 // names, ranges, text form and documentation.
 //
-// Where the manual contradicts itself: a script's length is in bytes, Wait Event goes to 22, Wait
-// Distance and Wait Angle are any signed 16 bits, Start is what leaves Off.
+// Where the manual contradicts itself, this table says: a script's length is in bytes, Wait Event
+// goes to 22, Wait Distance and Wait Angle are any signed 16 bits, and Start is what leaves Off.
 #pragma once
 
 #include <array>
@@ -38,8 +38,8 @@ struct ArgumentInfo {
   std::int32_t min = 0;
   std::int32_t max = 0;
   Unit unit = Unit::none;
-  std::array<std::int32_t, 2> specials{};  // values outside the range that are meant, 0 for none
-  std::uint8_t mask = 0xff;                // of a one-byte bit set: the bits that exist
+  std::array<std::int32_t, 2> specials{};  // valid values outside the range; 0 for none
+  std::uint8_t mask = 0xff;                // for a one-byte bit set: the bits that exist
   bool zero_allowed = true;
 
   constexpr bool accepts(std::int32_t value) const {
@@ -51,7 +51,7 @@ struct ArgumentInfo {
   }
 };
 
-// What follows the arguments, as many times as the last of them says.
+// What follows the arguments, as many times as the last argument says.
 enum class Tail : std::uint8_t { none, packet_ids, notes, script_bytes };
 
 // Bytes of one element of the tail.
@@ -59,7 +59,7 @@ constexpr std::size_t element_size(Tail tail) {
   return tail == Tail::none ? 0 : tail == Tail::notes ? 2 : 1;
 }
 
-// The numbers in one element of the tail (below, beside the table).
+// The numbers in one element of the tail (defined below, next to the table).
 constexpr std::span<const ArgumentInfo> element_arguments(Tail tail);
 
 // What a command does to the mode (OI p. 7 to 16).
@@ -133,7 +133,7 @@ constexpr CommandInfo changes(ModeChange change, CommandInfo info) {
 
 inline constexpr std::size_t kCommandCount = 29;
 
-// In the order of their opcodes. Arguments stand in the order of the wire (right before left).
+// In the order of their opcodes. Arguments are in wire order (right before left).
 // clang-format off
 inline constexpr std::array<CommandInfo, kCommandCount> kCommands = [] {
   using namespace detail;  // NOLINT(google-build-using-namespace): names of this table only
@@ -198,7 +198,7 @@ constexpr std::span<const ArgumentInfo> element_arguments(Tail tail) {
   return {};
 }
 
-// The number that the argument's first bytes are; there must be as many as its size.
+// The number at the front of `bytes`, which must hold as many as the argument's size.
 constexpr std::int32_t number_at(std::span<const std::uint8_t> bytes,
                                  const ArgumentInfo& argument) {
   std::int32_t value = bytes[0];
@@ -209,7 +209,7 @@ constexpr std::int32_t number_at(std::span<const std::uint8_t> bytes,
 
 namespace detail {
 
-// Where an opcode stands in kCommands; past its end for one that is no command.
+// The index of an opcode in kCommands; past its end for one that is not a command.
 inline constexpr std::array<std::uint8_t, 256> kCommandIndex = [] {
   std::array<std::uint8_t, 256> index{};
   index.fill(kCommandCount);
@@ -231,7 +231,7 @@ constexpr const CommandInfo* find_command(std::uint8_t opcode) {
 template <std::uint8_t kOpcode>
 inline constexpr CommandInfo kCommandInfo = kCommands[detail::kCommandIndex[kOpcode]];
 
-// The command's entry by its key; null where there is none.
+// The command's entry by its key; null if there is none.
 constexpr const CommandInfo* find_command(std::string_view key) {
   for (const CommandInfo& info : kCommands) {
     if (info.key == key) return &info;
@@ -239,8 +239,8 @@ constexpr const CommandInfo* find_command(std::string_view key) {
   return nullptr;
 }
 
-// Whole length in bytes, opcode included, of the command whose first bytes these are; 0 as long
-// as they do not tell. `bytes` begins with the opcode of `info`.
+// Whole length in bytes, opcode included, of the command that begins with these bytes; 0 while they
+// do not tell. `bytes` begins with the opcode of `info`.
 constexpr std::size_t command_length(const CommandInfo& info, std::span<const std::uint8_t> bytes) {
   const std::size_t fixed = 1 + info.argument_bytes();
   if (info.tail == Tail::none) return fixed;
@@ -248,8 +248,8 @@ constexpr std::size_t command_length(const CommandInfo& info, std::span<const st
   return fixed + bytes[fixed - 1] * element_size(info.tail);
 }
 
-// The most bytes that a robot may still wait for after an opcode, by the counts that it believes:
-// all of a Song that says it has 255 notes.
+// The most bytes that a robot may still wait for after an opcode, if it believes every count: all
+// of a Song that claims to have 255 notes.
 inline constexpr std::size_t kLongestRest = [] {
   std::size_t longest = 0;
   for (const CommandInfo& info : kCommands) {

@@ -1,5 +1,5 @@
-// Every command of the manual as a named struct. Each says in kWire which member travels in which
-// place of its table entry; ranges, sizes and order are the table's (oi/command_table.hpp).
+// Every command of the manual as a named struct. Its kWire lists the members in the order of the
+// arguments in its table entry; ranges, sizes and order are the table's (oi/command_table.hpp).
 #pragma once
 
 #include <cstdint>
@@ -57,12 +57,12 @@ enum class Event : std::int8_t {
   digital_input_3 = 21,
   mode_passive = 22,
 };
-// Waits until the event is over.
+// The event that waits until `event` is over.
 constexpr Event inverse(Event event) {
   return static_cast<Event>(-static_cast<std::int8_t>(event));
 }
 
-// Radii with a meaning of their own (OI p. 9).
+// Radii with a special meaning (OI p. 9).
 inline constexpr Mm kStraight{-32768};
 inline constexpr Mm kStraightAlternative{32767};
 inline constexpr Mm kTurnClockwise{-1};

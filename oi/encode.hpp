@@ -62,8 +62,8 @@ constexpr std::size_t most_bytes() {
       C::kWire);
 }
 
-// Appends the number, high byte first; false where the table does not accept it. The list has room
-// by construction: it is as long as the longest form of the command.
+// Appends the number, high byte first; false if the table does not accept it. The list has room by
+// construction: it is as long as the longest form of the command.
 template <typename Bytes>
 constexpr bool put_number(Bytes& bytes, const ArgumentInfo& argument, std::int32_t value) {
   if (!argument.accepts(value)) return false;
@@ -106,8 +106,8 @@ constexpr bool put_member(Bytes& bytes, Tail tail, const ArgumentInfo& argument,
 template <CommandStruct C>
 using EncodedCommand = FixedList<std::uint8_t, detail::most_bytes<C>()>;
 
-// The command's bytes; nothing where a value is outside the range that the manual gives it: values
-// are refused, never clamped.
+// The command's bytes; nothing if a value is outside the manual's range: values are refused, never
+// clamped.
 template <CommandStruct C>
 constexpr std::optional<EncodedCommand<C>> encode(const C& command) {
   static_assert(std::tuple_size_v<std::remove_const_t<decltype(C::kWire)>> ==

@@ -1,8 +1,8 @@
-// What some robots answer although the manual does not know it. Off unless asked for.
+// What some robots answer although the manual does not mention it. Off unless asked for.
 //
-// One published source each: firmware of 2007-09-24 answers Query List for packets 43 and 44 with
-// the raw counts of the wheel encoders, and opcode 8 with its date. Opcode 7 as a soft reset is
-// known to several.
+// Each from one published source: firmware of 2007-09-24 answers Query List for packets 43 and 44
+// with the raw counts of the wheel encoders, and opcode 8 with its date. Several sources know
+// opcode 7 as a soft reset.
 #pragma once
 
 #include <array>
@@ -30,21 +30,21 @@ inline constexpr std::array<PacketInfo, 2> kExtensionPackets{{
 }};
 inline constexpr std::uint8_t kLastExtensionPacket = 44;
 
-// The packet's entry; null for an id that is no packet.
+// The packet's entry; null for an id that is not a packet.
 constexpr const PacketInfo* find_packet(std::uint8_t id, Extensions extensions) {
   if (id < kPacketCount) return &kPackets[id];
   if (extensions == Extensions::off || id > kLastExtensionPacket) return nullptr;
   return &kExtensionPackets[id - kPacketCount];
 }
 
-// How far a raw counter went between two readings; right as long as it wrapped at most once.
+// How far a raw counter went between two readings; correct if it wrapped at most once.
 constexpr std::uint16_t raw_count_difference(std::uint16_t before, std::uint16_t after) {
   return static_cast<std::uint16_t>(after - before);
 }
 
 // Restarts the robot's processor: silent for about 3 s, ready after 4 to 5 s.
 inline constexpr std::uint8_t kSoftResetOpcode = 7;
-// Asks for the firmware's date.
+// Asks for the date of the firmware.
 inline constexpr std::uint8_t kFirmwareDateOpcode = 8;
 inline constexpr std::size_t kFirmwareDateBytes = 7;
 
@@ -58,7 +58,7 @@ struct FirmwareDate {
 };
 
 // Reads the answer to opcode 8: 18, year, month, day, hour, minute and the exclusive or of these.
-// Nothing where it is not such an answer.
+// Nothing if it is not such an answer.
 constexpr std::optional<FirmwareDate> parse_firmware_date(std::span<const std::uint8_t> answer) {
   if (answer.size() != kFirmwareDateBytes || answer[0] != 18) return std::nullopt;
   std::uint8_t check = 0;

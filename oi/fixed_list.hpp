@@ -22,13 +22,13 @@ class FixedList {
   constexpr bool empty() const { return size_ == 0; }
   constexpr bool full() const { return size_ == kCapacity; }
 
-  // False, and nothing changed, where the list is full.
+  // False, with nothing changed, if the list is full.
   [[nodiscard]] constexpr bool push_back(const T& element) {
     if (full()) return false;
     elements_[size_++] = element;
     return true;
   }
-  // False, and nothing changed, where not all of them fit.
+  // False, with nothing changed, if they do not all fit.
   [[nodiscard]] constexpr bool append(std::span<const T> elements) {
     if (elements.size() > kCapacity - size_) return false;
     std::copy(elements.begin(), elements.end(),
@@ -59,7 +59,7 @@ class FixedList {
   std::size_t size_ = 0;
 };
 
-// Makes a list of what is given; the count must fit at compile time.
+// Makes a list of the elements; their number must fit at compile time.
 template <typename T, std::size_t kCapacity, typename... Elements>
 constexpr FixedList<T, kCapacity> list_of(Elements... elements) {
   static_assert(sizeof...(Elements) <= kCapacity);

@@ -1,5 +1,5 @@
-// A stream frame: header 19, number n of the bytes that follow up to the checksum, packet ids each
-// with its data, checksum (OI p. 14).
+// A stream frame: header 19, number n of the bytes between this one and the checksum, packet ids
+// each followed by its data, checksum (OI p. 14).
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace cargobay::oi {
 inline constexpr std::size_t kFrameOverhead = 3;  // header, n, checksum
 inline constexpr std::size_t kMinFrameBytes = 5;  // one packet of one byte
 
-// How many bytes of a frame each id claims, itself included; 0 for an id that is no packet.
+// How many bytes of a frame each id claims, itself included; 0 for an id that is not a packet.
 using ItemSizes = std::array<std::uint8_t, 256>;
 
 namespace detail {
@@ -39,8 +39,8 @@ constexpr const ItemSizes& item_sizes(Extensions extensions) {
   return extensions == Extensions::on ? detail::kItemSizesWithExtensions : detail::kItemSizes;
 }
 
-// Whether the bytes are one frame in structure: header, length, and ids whose data fill it exactly.
-// The checksum's place must be there, its value is not looked at.
+// Whether the bytes have the structure of one frame: header, length, and ids whose data fill it
+// exactly. The checksum byte must be there; its value is not checked.
 constexpr bool is_well_formed(std::span<const std::uint8_t> frame, const ItemSizes& sizes) {
   if (frame.size() < kMinFrameBytes || frame[0] != kFrameHeader) return false;
   if (frame[1] + kFrameOverhead != frame.size()) return false;

@@ -1,4 +1,4 @@
-// Numbers of the manual that are not of one command or packet alone.
+// Numbers in the manual that concern more than one command or packet.
 #pragma once
 
 #include <chrono>
@@ -26,8 +26,8 @@ inline constexpr std::size_t kMaxFrameBytes = 2 + 255 + 1;
 
 inline constexpr std::chrono::milliseconds kBaudChangeWait{100};  // OI p. 7
 
-// From the start of one byte sent to the robot to the start of the next, at its fastest rate; what
-// comes sooner is lost (OI p. 7).
+// From the start of one byte sent to the robot to the start of the next, at its fastest rate; a
+// byte that comes sooner is lost (OI p. 7).
 inline constexpr std::chrono::microseconds kByteSpacingAt115200{200};
 constexpr bool needs_spacing(std::uint32_t baud) { return baud >= 115200; }
 

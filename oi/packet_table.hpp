@@ -1,8 +1,8 @@
 // The 43 sensor packets of the Open Interface (OI p. 17 to 25), the one source for decoder,
 // encoder, names, ranges and documentation.
 //
-// Where the manual contradicts itself: packet 18 is bits 0 and 2 (0 to 5), packet 20 is in
-// degrees, packet 35 is the OI mode, packet 38 goes to 43.
+// Where the manual contradicts itself, this table says: packet 18 is bits 0 and 2 (0 to 5), packet
+// 20 is in degrees, packet 35 is the OI mode, packet 38 goes to 43.
 #pragma once
 
 #include <array>
@@ -75,7 +75,7 @@ struct PacketInfo {
   std::int32_t max = 0;
   std::string_view key;    // name in code, options and JSON
   std::string_view name;   // name in the manual
-  std::uint8_t first = 0;  // the single packets it consists of; itself where it is single
+  std::uint8_t first = 0;  // the single packets it consists of; itself if it is single
   std::uint8_t last = 0;
 
   constexpr bool is_group() const { return first != id; }
@@ -151,7 +151,7 @@ inline constexpr std::array<PacketInfo, kPacketCount> kPackets = [] {
 }();
 // clang-format on
 
-// The packet's entry; null for an id that is no packet (43 to 255).
+// The packet's entry; null for an id that is not a packet (43 to 255).
 constexpr const PacketInfo* find_packet(std::uint8_t id) {
   return id < kPacketCount ? &kPackets[id] : nullptr;
 }
@@ -159,12 +159,12 @@ constexpr const PacketInfo* find_packet(std::uint8_t id) {
 // The entry of a packet that is known to exist.
 constexpr const PacketInfo& packet(PacketId id) { return kPackets[static_cast<std::size_t>(id)]; }
 
-// Data bytes of the packet; 0 for an id that is no packet.
+// Data bytes of the packet; 0 for an id that is not a packet.
 constexpr std::size_t packet_size(std::uint8_t id) {
   return id < kPacketCount ? kPackets[id].size : 0;
 }
 
-// Each entry stands at its id, and each group is as long as what it consists of.
+// Each entry is at the index of its id, and each group is as long as its members together.
 static_assert([] {
   for (std::size_t id = 0; id < kPacketCount; ++id) {
     const PacketInfo& info = kPackets[id];

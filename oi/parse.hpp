@@ -17,10 +17,10 @@
 
 namespace cargobay::oi {
 
-// The number in a command that the manual's range does not have.
+// The number in a command that is outside the manual's range.
 struct RangeError {
   const ArgumentInfo* argument = nullptr;  // in the command table
-  std::size_t offset = 0;                  // of its first byte, the opcode's being 0
+  std::size_t offset = 0;                  // of its first byte; the opcode is at 0
   std::int32_t value = 0;
 };
 
@@ -37,7 +37,7 @@ constexpr Member from_number(std::int32_t number) {
   }
 }
 
-// The bytes of one command, read from the left; stops at the first number out of range.
+// The bytes of one command, read from the front; stops at the first number out of range.
 class Reader {
  public:
   constexpr explicit Reader(std::span<const std::uint8_t> bytes) : bytes_{bytes} {}
@@ -45,7 +45,7 @@ class Reader {
   constexpr const std::optional<RangeError>& error() const { return error_; }
   constexpr bool at_end() const { return offset_ == bytes_.size(); }
 
-  // False where the bytes end or the table does not accept the number.
+  // False if the bytes end or the table does not accept the number.
   constexpr bool number(const ArgumentInfo& argument, std::int32_t& value) {
     if (bytes_.size() - offset_ < argument.size) return false;
     value = number_at(bytes_.subspan(offset_), argument);
@@ -117,7 +117,7 @@ constexpr std::optional<C> read(Reader& reader) {
 
 }  // namespace detail
 
-// The command of these bytes, opcode included; nothing unless they are exactly one such command
+// The command in these bytes, opcode included; nothing unless they are exactly one such command
 // with every number in its range.
 template <CommandStruct C>
 constexpr std::optional<C> parse(std::span<const std::uint8_t> bytes) {
@@ -130,14 +130,14 @@ struct ParseResult {
   enum class Outcome : std::uint8_t { command, incomplete, unknown_opcode, out_of_range };
   Outcome outcome = Outcome::incomplete;
   Command command{};                  // Outcome::command
-  const CommandInfo* info = nullptr;  // the opcode's entry, where there is one
+  const CommandInfo* info = nullptr;  // the opcode's entry, if there is one
   std::size_t length = 0;             // bytes of the whole command; 0 while incomplete
-  std::size_t needed = 0;             // Outcome::incomplete: so many more bytes, at least
+  std::size_t needed = 0;             // Outcome::incomplete: at least this many more bytes
   RangeError error{};                 // Outcome::out_of_range
 };
 
-// Reads the first command of the bytes and never past their end; what follows it is left alone.
-// (Not constexpr: a variant of libstdc++ 12 cannot be assigned at compile time by clang.)
+// Reads the first command of the bytes, never past its end; what follows it is left alone. (Not
+// constexpr: clang cannot assign a variant of libstdc++ 12 at compile time.)
 ParseResult parse_command(std::span<const std::uint8_t> bytes);
 
 }  // namespace cargobay::oi

@@ -1,12 +1,15 @@
 // Scripts (OI p. 15) from commands in C++:
 //
-//   constexpr auto square = ScriptBuilder{}
-//                               .drive({.velocity = MmPerSec{300}, .radius = kStraight})
-//                               .wait_distance(Mm{400})
-//                               .drive({.velocity = MmPerSec{300}, .radius =
-//                               kTurnCounterClockwise}) .wait_angle(Deg{90}) .loop() .script();
+//   constexpr auto square =
+//       ScriptBuilder{}
+//           .drive({.velocity = MmPerSec{300}, .radius = kStraight})
+//           .wait_distance(Mm{400})
+//           .drive({.velocity = MmPerSec{300}, .radius = kTurnCounterClockwise})
+//           .wait_angle(Deg{90})
+//           .loop()
+//           .script();
 //
-// A script waits, but decides nothing; while it waits the robot reacts to nobody (OI p. 15).
+// A script can wait but not decide; while it waits, the robot reacts to nothing (OI p. 15).
 #pragma once
 
 #include <cstddef>
@@ -32,7 +35,7 @@ struct RefusedNumber {
   const ArgumentInfo* argument = nullptr;
   std::int32_t value = 0;
 
-  // Whether the search goes on.
+  // Whether to go on searching.
   constexpr bool check(const ArgumentInfo& info, std::int32_t number) {
     if (info.accepts(number)) return true;
     argument = &info;
@@ -81,19 +84,20 @@ class ScriptBuilder {
   // The first thing that went wrong.
   struct Error {
     enum class What : std::uint8_t {
-      out_of_range,   // `value` is none that `argument` accepts
+      out_of_range,   // `value` is not one that `argument` accepts
       too_long,       // the script is longer than 100 bytes
       nested_script,  // a script cannot store another
     };
     What what = What::out_of_range;
-    std::size_t index = 0;                   // of the command that failed, the first being 0
+    std::size_t index = 0;                   // of the command that failed, from 0
     const CommandInfo* command = nullptr;    // in the command table, as is `argument`
     const ArgumentInfo* argument = nullptr;  // out_of_range
     std::int32_t value = 0;                  // out_of_range
-    std::size_t excess = 0;                  // too_long: so many bytes of the whole script
+    std::size_t excess = 0;                  // too_long: how many bytes the whole script is over
   };
 
-  // Appends any command but Script, which does not compile here. After an error nothing is added.
+  // Appends any command except Script, which does not compile here. After an error nothing is
+  // added.
   template <CommandStruct C>
     requires(!std::is_same_v<C, Script>)
   constexpr ScriptBuilder& add(const C& command) {
@@ -112,7 +116,7 @@ class ScriptBuilder {
     return *this;
   }
   ScriptBuilder& add(const Script&) = delete;
-  // The same for a command that is known at run time only.
+  // The same for a command known only at run time.
   ScriptBuilder& add(const Command& command) {
     std::visit(
         [this](const auto& one) {
@@ -132,8 +136,8 @@ class ScriptBuilder {
   constexpr ScriptBuilder& drive_direct(const DriveDirect& wheels) { return add(wheels); }
   constexpr ScriptBuilder& stop() { return add(DriveDirect{}); }
 
-  // Waiting. A distance or an angle that the robot does not come to is waited for until reset:
-  // backwards and clockwise are negative, and the sign must be that of the drive command.
+  // Waiting. If the robot never reaches a distance or an angle, it waits until reset: backwards and
+  // clockwise are negative, and the sign must be that of the drive command.
   constexpr ScriptBuilder& wait_time(Tenths time) { return add(WaitTime{time}); }
   constexpr ScriptBuilder& wait_distance(Mm distance) { return add(WaitDistance{distance}); }
   constexpr ScriptBuilder& wait_angle(Deg angle) { return add(WaitAngle{angle}); }
@@ -157,7 +161,7 @@ class ScriptBuilder {
   constexpr ScriptBuilder& full() { return add(Full{}); }
   constexpr ScriptBuilder& demo(DemoNumber demo) { return add(Demo{demo}); }
 
-  // Play Script, to be the last: the script begins again, for ever.
+  // Play Script, as the last command: the script starts again, for ever.
   constexpr ScriptBuilder& loop() { return add(PlayScript{}); }
 
   constexpr const std::optional<Error>& error() const { return error_; }

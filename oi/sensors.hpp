@@ -1,5 +1,5 @@
 // Sensor values: one number for each single packet, decoded from any packet, group or frame, and
-// the way back for the virtual Create.
+// encoded again for the virtual Create.
 //
 // A value outside the manual's range is delivered as the robot sent it, and counted.
 #pragma once
@@ -55,7 +55,7 @@ enum class ChargingState : std::uint8_t {  // packet 21
   fault = 5,
 };
 
-// Packet 17: what the manual names. Any byte can arrive, Send IR sends any.
+// Packet 17: what the manual names. Any byte can arrive: Send IR sends any.
 enum class InfraredCharacter : std::uint8_t {
   remote_left = 129,
   remote_forward = 130,
@@ -83,11 +83,11 @@ enum class InfraredCharacter : std::uint8_t {
   none = 255,
 };
 
-// Their names, in lower case; "unknown" for a value the manual does not name.
+// Their names, in lower case; "unknown" for a value that the manual does not name.
 std::string_view name(ChargingState state);
 std::string_view name(InfraredCharacter character);
 
-// The name of one bit of a packet that is a bit set; empty where the manual gives the bit none.
+// The name of one bit of a packet that is a bit set; empty if the manual gives it none.
 std::string_view bit_name(PacketId packet, unsigned bit);
 
 class SensorValues {
@@ -104,7 +104,7 @@ class SensorValues {
     raw_ = {};
     present_ = 0;
   }
-  // Calls `see(packet, raw value)` for each that has been set, in rising order.
+  // Calls `see(packet, raw value)` for each that has been set, in ascending order.
   template <typename See>
   constexpr void visit(See see) const {
     for (std::uint64_t rest = present_; rest != 0; rest &= rest - 1) {
@@ -112,7 +112,7 @@ class SensorValues {
       see(PacketId{static_cast<std::uint8_t>(slot + kFirstSinglePacket)}, raw_[slot]);
     }
   }
-  // How many decoded values were outside the manual's range so far.
+  // How many decoded values have been outside the manual's range so far.
   constexpr std::uint64_t out_of_range() const { return out_of_range_; }
   constexpr void count_out_of_range() { ++out_of_range_; }
 
@@ -200,7 +200,7 @@ class SensorValues {
   }
 
   std::array<std::int32_t, kSlots> raw_{};
-  std::uint64_t present_ = 0;  // a bit for each slot
+  std::uint64_t present_ = 0;  // one bit for each slot
   std::uint64_t out_of_range_ = 0;
 };
 
@@ -226,10 +226,10 @@ constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t
 
 }  // namespace detail
 
-// Both decoders stand in the header because the control thread calls them: the compiler sees that
+// Both decoders are in the header because the control thread calls them: the compiler sees that
 // they cannot block.
 
-// Decodes the data of a packet or group. False, and nothing changed, where the id is no packet or
+// Decodes the data of a packet or group. False, with nothing changed, if the id is not a packet or
 // the data are not exactly its size.
 [[nodiscard]] constexpr bool decode_packet(std::uint8_t id, std::span<const std::uint8_t> data,
                                            SensorValues& values,
@@ -240,8 +240,8 @@ constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t
   return true;
 }
 
-// Decodes a whole frame, header to checksum, as a StreamDecoder returns it. False, and nothing
-// changed, where its structure is wrong; the checksum is not looked at again.
+// Decodes a whole frame, header to checksum, as a StreamDecoder returns it. False, with nothing
+// changed, if its structure is wrong; the checksum is not checked again.
 [[nodiscard]] constexpr bool decode_frame(std::span<const std::uint8_t> frame, SensorValues& values,
                                           Extensions extensions = Extensions::off) {
   if (!is_well_formed(frame, item_sizes(extensions))) return false;
@@ -254,14 +254,15 @@ constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t
   return true;
 }
 
-// Writes the data of a packet or group; a value that was never set goes out as 0. Returns the bytes
-// written: 0 where the id is no packet or `out` is too short.
+// Writes the data of a packet or group; a value that was never set is written as 0. Returns the
+// bytes written: 0 if the id is not a packet or `out` is too short.
 [[nodiscard]] std::size_t encode_packet(std::uint8_t id, const SensorValues& values,
                                         std::span<std::uint8_t> out,
                                         Extensions extensions = Extensions::off);
 
-// Writes the frame of a stream list. Returns its bytes: 0 where the list is empty, names no
-// packet, takes more than the 255 bytes that a frame's length can say, or does not fit `out`.
+// Writes the frame of a stream list. Returns its bytes: 0 if the list is empty, has an id that is
+// not a packet, needs more than the 255 bytes that a frame's length can state, or does not fit
+// `out`.
 [[nodiscard]] std::size_t encode_frame(std::span<const PacketId> packets,
                                        const SensorValues& values, Checksum form,
                                        std::span<std::uint8_t> out,

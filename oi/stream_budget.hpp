@@ -15,18 +15,18 @@ namespace cargobay::oi {
 inline constexpr std::uint64_t kBitsPerByte = 10;
 inline constexpr std::size_t kDriveDirectBytes = 5;
 
-// How long so many bits take, rounded up. `baud` is not 0.
+// How long `bits` take, rounded up. `baud` is not 0.
 constexpr std::chrono::nanoseconds bit_time(std::uint64_t bits, std::uint32_t baud) {
   return std::chrono::nanoseconds{
       static_cast<std::int64_t>((bits * 1'000'000'000U + baud - 1) / baud)};
 }
 
-// From the first start bit to the last stop bit of bytes without gaps, rounded up.
+// From the first start bit to the last stop bit of `bytes` without gaps, rounded up.
 constexpr std::chrono::nanoseconds wire_time(std::size_t bytes, std::uint32_t baud) {
   return bit_time(bytes * kBitsPerByte, baud);
 }
 
-// The least time from the first start bit to the last stop bit of bytes that the robot is sent: at
+// The least time from the first start bit to the last stop bit of `bytes` sent to the robot: at
 // 115200 baud with the spacing that it needs.
 constexpr std::chrono::nanoseconds command_time(std::size_t bytes, std::uint32_t baud) {
   if (bytes == 0 || !needs_spacing(baud)) return wire_time(bytes, baud);
@@ -40,8 +40,8 @@ constexpr std::size_t bytes_per_tick(std::uint32_t baud) {
                                   (kBitsPerByte * 1'000'000U));
 }
 
-// Bytes of the stream frame of this list; more than kMaxFrameBytes where no frame can hold it. An
-// id that is no packet counts as its id alone; an empty list has no frame and gives 0.
+// Bytes of the stream frame of this list; more than kMaxFrameBytes if no frame can hold it. An id
+// that is not a packet counts as its id alone; an empty list has no frame and gives 0.
 constexpr std::size_t frame_bytes(std::span<const PacketId> packets,
                                   Extensions extensions = Extensions::off) {
   if (packets.empty()) return 0;
@@ -65,8 +65,8 @@ inline constexpr std::size_t kPl011HalfFifoPi0To3 = 8;
 inline constexpr std::size_t kPl011HalfFifoPi4And5 = 16;
 inline constexpr std::uint64_t kPl011TimeoutBits = 32;
 
-// How long after a frame's last bit the PL011 tells of it: nothing where the frame ends on the
-// FIFO's mark, the receive time-out otherwise.
+// How long after a frame's last bit the PL011 reports it: at once if the frame ends at a multiple
+// of half the FIFO, otherwise after the receive time-out.
 constexpr std::chrono::nanoseconds pl011_delay(std::size_t frame, std::uint32_t baud,
                                                std::size_t half_fifo) {
   if (frame % half_fifo == 0) return std::chrono::nanoseconds{0};
@@ -74,7 +74,7 @@ constexpr std::chrono::nanoseconds pl011_delay(std::size_t frame, std::uint32_t 
 }
 
 // From a frame's first bit to the last bit of the DriveDirect that answers it, without any
-// software: the least delay that control has to live with.
+// software: the least latency that the controller has to live with.
 constexpr std::chrono::nanoseconds control_delay(std::size_t frame, std::uint32_t baud,
                                                  std::size_t half_fifo) {
   return wire_time(frame, baud) + pl011_delay(frame, baud, half_fifo) +

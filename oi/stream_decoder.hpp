@@ -1,19 +1,20 @@
 // Bytes to stream frames, one byte at a time, on a line that loses, damages and invents bytes.
 //
-// A frame is believed when its ids and lengths fill it exactly and its checksum is right. What is
-// neither a frame nor part of an open candidate is skipped and counted; a bad byte is no error.
-// After any damage the second undamaged frame, at the latest, is delivered with its last byte:
-// - a candidate that turns out wrong is read again from the byte behind its header, so that a frame
+// A frame is accepted when its ids and lengths fill it exactly and its checksum is right. Bytes
+// that are neither a frame nor part of an open candidate are skipped and counted; a bad byte is not
+// an error. After any damage the second undamaged frame, at the latest, is delivered with its last
+// byte:
+// - a candidate that turns out wrong is read again from the byte after its header, so that a frame
 //   inside it is not lost;
 // - a candidate that is still open, say because its length byte was damaged, is dropped as soon as
-//   two whole frames, one behind the other, have gone by inside it.
-// What the checksum cannot tell passes: of damaged bytes that have the structure of a frame, 1 in
-// 256 is believed, 2 in 256 while the form of the checksum is not known yet.
+//   two whole frames, one after the other, have gone by inside it.
+// The checksum lets some damage through: of damaged bytes that have the structure of a frame, 1 in
+// 256 is accepted, 2 in 256 while the form of the checksum is not known yet.
 //
-// Memory: about 1 KiB, in place. Time: a few instructions for most bytes. What is refused is read
-// again: at worst 258 bytes from each of 85 false headers among them, some 30 us for one byte on a
-// line made for that (tests/bench/oi_bench.cpp). No clock: a caller who finds the line quiet says
-// so by abandon().
+// Memory: about 1 KiB, in place. Time: a few instructions for most bytes. Rejected candidates are
+// read again: at worst 258 bytes from each of the 85 false headers in them, some 30 us for one byte
+// on a line made for that (tests/bench/oi_bench.cpp). No clock: a caller that finds the line quiet
+// says so with abandon().
 #pragma once
 
 #include <algorithm>
@@ -35,7 +36,7 @@ class StreamDecoder {
   enum class Outcome : std::uint8_t {
     nothing,  // more bytes are needed
     frame,    // frame() is one
-    corrupt,  // what looked like the beginning of a frame was none
+    corrupt,  // what looked like the beginning of a frame was not one
   };
 
   // bytes == framed + skipped + what an open candidate holds.
@@ -43,17 +44,18 @@ class StreamDecoder {
     std::uint64_t bytes = 0;          // pushed
     std::uint64_t frames = 0;         // delivered
     std::uint64_t framed = 0;         // bytes in them
-    std::uint64_t skipped = 0;        // bytes in no frame, text among them
+    std::uint64_t skipped = 0;        // bytes in no frame, text included
     std::uint64_t text = 0;           // skipped bytes that are printable, CR or LF
-    std::uint64_t bad_checksum = 0;   // candidates whole but for their checksum
-    std::uint64_t bad_structure = 0;  // candidates that no list of packets gives
-    std::uint64_t overtaken = 0;      // open candidates that two frames went by inside of
+    std::uint64_t bad_checksum = 0;   // candidates that are whole except for their checksum
+    std::uint64_t bad_structure = 0;  // candidates that no list of packets produces
+    std::uint64_t overtaken = 0;      // open candidates inside which two frames went by
     std::uint64_t abandoned = 0;      // open candidates when abandon() was called
-    std::uint64_t resyncs = 0;        // delivered frames that did not follow right behind another
+    std::uint64_t resyncs = 0;        // delivered frames that did not directly follow another
     std::uint64_t locks = 0;          // times the form of the checksum was settled
   };
 
-  // Automatic settles on a form, and on the other form, when so many frames in a row have it.
+  // Automatic settles on a form, or on the other form later, after this many frames in a row have
+  // it.
   static constexpr unsigned kFramesToLock = 4;
 
   constexpr explicit StreamDecoder(Checksum form = Checksum::automatic,
@@ -61,13 +63,13 @@ class StreamDecoder {
       : sizes_{&item_sizes(extensions)}, configured_{form}, form_{form} {}
 
   // Takes one byte. After `frame` or `corrupt` call next() until it says `nothing`: the bytes
-  // already held may be more frames. Whoever does not gets them with later bytes.
+  // already held may be more frames. If you do not, you get them with later bytes.
   constexpr Outcome push(std::uint8_t byte) noexcept {
     ++counters_.bytes;
     return only_stores(byte) ? Outcome::nothing : push_with_care(byte);
   }
   constexpr Outcome next() noexcept { return in_lane_ ? Outcome::nothing : advance(); }
-  // The same for many: calls `see(outcome)` for each `frame` and each `corrupt` among them.
+  // The same for many bytes: calls `see(outcome)` for each `frame` and each `corrupt` among them.
   template <typename See>
   constexpr void push(std::span<const std::uint8_t> bytes, See see) {
     for (const std::uint8_t byte : bytes) {
@@ -79,8 +81,8 @@ class StreamDecoder {
     }
   }
 
-  // The line has been quiet for too long for the rest of an open candidate to come: gives it up and
-  // reads what is held again. To be called until it says `nothing`; then nothing is held.
+  // The line has been quiet too long for the rest of an open candidate to come: gives it up and
+  // reads what is held again. Call until it says `nothing`; then nothing is held.
   constexpr Outcome abandon() noexcept {
     if (in_lane_) leave_lane();
     const Outcome outcome = advance();
@@ -93,15 +95,15 @@ class StreamDecoder {
     return std::span{held_}.subspan(frame_begin_, frame_length_);
   }
   constexpr const Counters& counters() const { return counters_; }
-  // The form in force; nothing as long as automatic has not settled.
+  // The form in use; nothing until automatic has settled.
   constexpr std::optional<Checksum> checksum() const {
     if (form_ == Checksum::automatic) return std::nullopt;
     return form_;
   }
-  // Has skipped text copied there, null for no more. `tail` outlives the decoder or the next call.
+  // Copies skipped text there; null to stop. `tail` must outlive the decoder or the next call.
   constexpr void collect_text(TextTail* tail) { text_ = tail; }
 
-  // As new, with zero counters, but for collect_text().
+  // As new, with zero counters, except for collect_text().
   constexpr void reset() noexcept {
     TextTail* const text = text_;
     const ItemSizes* const sizes = sizes_;
@@ -111,16 +113,16 @@ class StreamDecoder {
   }
 
  private:
-  // held_ keeps [begin_, end_). Of these [begin_, read_) have been read: they are the open
-  // candidate. [read_, end_) wait to be read, or read again.
+  // held_ keeps [begin_, end_). Of these, [begin_, read_) have been read: they are the open
+  // candidate. [read_, end_) are waiting to be read, or read again.
   //
-  // Most bytes need no reading when they come. While nothing waits, bytes before the gate_-th are
-  // stored only, and counted in read_ later; a 19 that is not spare is read at once.
+  // Most bytes need not be read when they arrive. While nothing is waiting, bytes before the
+  // gate_-th are only stored, and added to read_ later; a 19 beyond the spare ones is read at once.
   //
-  // The lane goes further: right behind a frame another of a usual length is expected, so its bytes
-  // are stored, and read as a whole when the last has come. If it is no such frame its bytes are
-  // read one by one, as if they had just come. More than one 19 in its data could be the two
-  // frames inside: then too.
+  // The lane goes further: right after a frame, another of a usual length is expected, so its bytes
+  // are stored and read as a whole when the last has arrived. If it is not such a frame, its bytes
+  // are read one by one, as if they had just arrived. So they are if its data have more than one
+  // 19, which could be the two frames inside.
 
   constexpr bool only_stores(std::uint8_t byte) noexcept {
     if (end_ + 1 >= gate_ || (byte == kFrameHeader && spare_headers_-- <= 0)) return false;
@@ -152,7 +154,7 @@ class StreamDecoder {
     return advance();
   }
 
-  // Two lengths, because a stream of windows has two lists in turn.
+  // Two lengths, because a stream read in windows alternates between two lists.
   constexpr bool is_usual(std::size_t length) const {
     return length == frame_length_ || length == other_length_;
   }
@@ -235,7 +237,7 @@ class StreamDecoder {
     return Outcome::nothing;
   }
 
-  // The candidate is whole but for what its checksum says.
+  // The candidate is complete; only its checksum is left to check.
   constexpr Outcome read_whole() noexcept {
     const auto candidate = std::span{held_}.subspan(begin_, length_);
     const std::uint8_t sum = byte_sum(candidate);
@@ -278,8 +280,8 @@ class StreamDecoder {
     if (text_ != nullptr) text_->push(byte);
   }
 
-  // Notes the 19s in the candidate behind its header, and where the frames would end that begin
-  // with any but the first of them: to look for two frames at each byte would take long.
+  // Notes the 19s in the candidate after its header, and where the frames would end that begin with
+  // any but the first of them: looking for two frames at each byte would take long.
   constexpr void watch_for_frames_inside(std::uint8_t byte) {
     const auto offset = static_cast<std::uint16_t>(read_ - 1 - begin_);
     if (header_count_ >= 2 && headers_[header_count_ - 1] + 1U == offset) {
@@ -295,8 +297,8 @@ class StreamDecoder {
     return (expected_ends_[end / 64] >> (end % 64) & 1U) != 0;
   }
 
-  // Whether two whole frames with checksums of one form stand one behind the other inside the open
-  // candidate, up to the byte just read.
+  // Whether two whole frames with checksums of one form are one right after the other inside the
+  // open candidate, up to the byte just read.
   constexpr bool two_frames_end_here() const {
     for (std::size_t i = 1; i < header_count_; ++i) {
       const std::size_t second = begin_ + headers_[i];
@@ -321,15 +323,15 @@ class StreamDecoder {
            byte_sum(std::span{held_}.subspan(second, read_ - second));
   }
 
-  // Whether a whole candidate with a checksum of that form is to be believed.
+  // Whether to accept a complete candidate with a checksum of that form.
   constexpr bool accepts(Checksum form) noexcept {
     if (configured_ != Checksum::automatic) return form == configured_;
     if (form == form_) {
       run_ = 0;
       return true;
     }
-    // Not settled, or settled on the other form. Only frames in one row count towards a form, so
-    // that damage, whatever it looks like, does not talk the decoder out of the right one.
+    // Not settled, or settled on the other form. Only frames in an unbroken row count towards a
+    // form, so that damage, whatever it looks like, does not talk the decoder out of the right one.
     const std::uint64_t begins = counters_.framed + counters_.skipped;
     const bool in_row = run_ > 0 && form == run_form_ && begins == run_end_;
     run_ = in_row ? run_ + 1 : 1;
@@ -354,20 +356,20 @@ class StreamDecoder {
   Checksum form_;
   std::size_t begin_ = 0;
   std::size_t read_ = 0;
-  std::size_t structure_at_ = 0;  // of the candidate: the how manieth byte its structure needs next
-  std::size_t length_ = 0;        // and how many it will be, once known
-  std::size_t header_count_ = 0;  // bytes 19 in the candidate behind its first
+  std::size_t structure_at_ = 0;  // offset of the byte that the candidate needs next
+  std::size_t length_ = 0;        // and its length, once known
+  std::size_t header_count_ = 0;  // 19s in the candidate after its first
   std::size_t frame_begin_ = 0;
   std::size_t frame_length_ = 0;
-  std::size_t other_length_ = 0;  // of the last frame that was not as long
+  std::size_t other_length_ = 0;  // the most recent frame length that differs
   Counters counters_{};
   std::uint64_t run_end_ = 0;  // where in the stream the next frame of the run begins
   unsigned run_ = 0;
   Checksum run_form_ = Checksum::automatic;
   TextTail* text_ = nullptr;
   std::array<std::uint8_t, kMaxFrameBytes> held_{};
-  std::array<std::uint16_t, kMaxFrameBytes> headers_{};  // where they are, counted from begin_
-  std::array<std::uint64_t, kMaxFrameBytes / 64 + 1> expected_ends_{};  // a bit for each place
+  std::array<std::uint16_t, kMaxFrameBytes> headers_{};                 // their offsets from begin_
+  std::array<std::uint64_t, kMaxFrameBytes / 64 + 1> expected_ends_{};  // one bit per offset
 };
 
 }  // namespace cargobay::oi

@@ -22,7 +22,7 @@ class TextTail {
     bytes_[pushed_ % kCapacity] = static_cast<char>(byte);
     ++pushed_;
   }
-  // All that was ever pushed.
+  // How many bytes have ever been pushed.
   constexpr std::uint64_t pushed() const { return pushed_; }
   // Copies the last of them, oldest first, as many as there are and fit. Returns how many.
   constexpr std::size_t copy(std::span<char> out) const {

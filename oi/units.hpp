@@ -7,9 +7,9 @@
 
 namespace cargobay::oi {
 
-// An integer in one unit. Explicit to make, so that a speed is never taken for a radius.
-// int32_t holds every value of the wire, signed or not; the range of each use stands in the
-// command table and the packet table.
+// An integer in one unit. Its constructor is explicit, so that a speed is never taken for a radius.
+// int32_t holds every value on the wire, signed or not; the range of each use is in the command
+// table or the packet table.
 template <typename Unit>
 struct Quantity {
   std::int32_t value = 0;
@@ -30,7 +30,7 @@ using DegCelsius = Quantity<struct DegCelsiusUnit>;
 using Tenths = Quantity<struct TenthOfSecondUnit>;      // Wait Time, OI p. 15
 using SixtyFourths = Quantity<struct SixtyFourthUnit>;  // note durations, OI p. 11
 
-// The unit a table entry is counted in.
+// The unit of a table entry.
 enum class Unit : std::uint8_t {
   none,
   mm,

@@ -9,7 +9,7 @@
 namespace cargobay::rt {
 namespace {
 
-constexpr double kInitialDisturbanceSd = 5.0;  // mm/s: at rest nothing is lost
+constexpr double kInitialDisturbanceSd = 5.0;  // mm/s: at rest the motors lose nothing
 constexpr double kLeastProbability = 1e-4;     // no single reading may decide everything
 
 double normal_density(double z) CARGOBAY_NONBLOCKING {
@@ -38,7 +38,7 @@ Moments truncate(double mean, double variance, double low, double high) CARGOBAY
   const double a = (low - mean) / sd;
   const double b = (high - mean) / sd;
   const double probability = normal_between(a, b);
-  if (probability < kTooFar) {  // all the mass left sits at the nearer edge
+  if (probability < kTooFar) {  // all the remaining mass is at the nearer edge
     const double width = high - low;
     const double edge = mean < low ? low + 0.1 * width : high - 0.1 * width;
     return {edge, 0.01 * width * width, probability};
@@ -90,8 +90,8 @@ void AxisFilter::coast(double disturbance_sd_mm_s, double position_sd_mm) CARGOB
   propagate(coasting_, disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
 }
 
-// F x and F P F' written out: most of F is 0 or 1, and P symmetric. A third of the instructions
-// of the products of matrices.
+// F x and F P F' written out: most of F is 0 or 1, and P is symmetric. Takes a third of the
+// instructions of the matrix products.
 void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
                            double position_sd_mm) CARGOBAY_NONBLOCKING {
   const auto& [position_by_speed, position_by_input, speed_by_speed, speed_by_input] = tick;
@@ -104,7 +104,7 @@ void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
   const double speed_speed = p(kSpeed, kSpeed);
   const double speed_input = p(kSpeed, kDisturbance);
   const double input_input = p(kDisturbance, kDisturbance);
-  // Of F P, what is needed of its rows.
+  // The entries of F P that are needed.
   const double position_position = p(kPosition, kPosition) +
                                    position_by_speed * p(kPosition, kSpeed) +
                                    position_by_input * p(kPosition, kDisturbance);
@@ -153,7 +153,7 @@ double AxisFilter::read(int count, Remainder remainder) CARGOBAY_NONBLOCKING {
 void AxisFilter::read_unseen(Remainder remainder) CARGOBAY_NONBLOCKING {
   const double step = parameters_.step_mm;
   if (remainder == Remainder::lost) return forget_position(0.0);
-  // A robot that carries it has kept half a step, on average, which the next reading tells again.
+  // A robot that carries it has kept half a step, on average, which the next reading will report.
   const bool moves = std::abs(state_[kSpeed]) * parameters_.tick_s > step / 100.0;
   if (moves) read_mm_ -= std::copysign(step / 2.0, state_[kSpeed]);
   forget_position(step * step / 3.0);

@@ -4,11 +4,11 @@
 // motors lose, in the unit of the command). Speed follows command + disturbance with a first-order
 // lag.
 //
-// A reading z says that the position lies in an interval, not at a point: [z, z+1) steps going
+// A reading z means that the position lies in an interval, not at a point: [z, z+1) steps going
 // forward, (z-1, z] going back, (-1, 1) at 0. The update conditions the state on that interval by
-// the moments of the truncated normal distribution, so a slow axis that reads 0 for many ticks
-// teaches what it can and nothing more. The probability of the reading falls out of the update
-// and tells hypotheses apart.
+// the moments of the truncated normal distribution, so an axis too slow to count for many ticks
+// teaches what it can and nothing more. The probability of the reading comes out of the update and
+// tells hypotheses apart.
 #pragma once
 
 #include <array>
@@ -31,38 +31,39 @@ class AxisFilter {
     double lag_s = 0.100;  // of the first-order response
     double tick_s = 0.015;
     double speed_noise_mm_s = 2.0;        // standard deviation added to the speed each tick
-    double disturbance_noise_mm_s = 0.3;  // the same for the disturbance, while the command rests
+    double disturbance_noise_mm_s = 0.3;  // the same for the disturbance, at a constant command
     double counter_noise_mm = 0.15;       // encoder resolution and the like
   };
 
   explicit AxisFilter(const Parameters& parameters);
 
-  // Back to standing still, nothing known of the disturbance.
+  // Back to standstill, with nothing known about the disturbance.
   void reset() CARGOBAY_NONBLOCKING;
 
-  // One tick under the mean command of that tick. `disturbance_sd_mm_s`: how much the disturbance
-  // may have changed because the command did. `position_sd_mm`: how wrong the counter may have gone
-  // in this tick (a wheel that coasts against its commanded direction counts backwards).
+  // One tick with `command_mm_s` as its mean command. `disturbance_sd_mm_s`: how much the
+  // disturbance may have changed because the command did. `position_sd_mm`: how far the counter may
+  // have gone wrong in this tick (a wheel that coasts against its commanded direction counts
+  // backwards).
   void predict(double command_mm_s, double disturbance_sd_mm_s, double position_sd_mm)
       CARGOBAY_NONBLOCKING;
 
-  // The same with the motors commanded to 0: nothing drives the wheels, so the disturbance, which
-  // is what the motors lose, does not either.
+  // The same with the motors commanded to 0: nothing drives the wheels, and neither does the
+  // disturbance, which is what the motors lose.
   void coast(double disturbance_sd_mm_s, double position_sd_mm) CARGOBAY_NONBLOCKING;
 
-  // The counter was read, and said `count`. Returns the natural logarithm of the probability that
-  // this filter gave to it.
+  // The counter was read and said `count`. Returns the natural logarithm of the probability that
+  // this filter gave that count.
   double read(int count, Remainder remainder) CARGOBAY_NONBLOCKING;
 
-  // The counter was read, and nobody knows what it said.
+  // The counter was read, but its value is not known.
   void read_unseen(Remainder remainder) CARGOBAY_NONBLOCKING;
 
   double speed_mm_s() const CARGOBAY_NONBLOCKING { return state_[kSpeed]; }
-  // The way since reset(): what was read, and what the filter thinks was not. A reading may take
-  // back a little of what was expected before.
+  // Travel since reset(): what was read, plus the filter's estimate of what was not. A reading may
+  // take back a little of an earlier estimate.
   double travel_mm() const CARGOBAY_NONBLOCKING { return read_mm_ + state_[kPosition]; }
-  // How far that may be wrong. Of what readings left behind for good it grows with each; of what
-  // the next reading will tell it does not.
+  // How wrong that may be. The first is what readings have lost for good, and grows with each; the
+  // second is what the next reading will settle, and does not.
   double forgotten_variance() const CARGOBAY_NONBLOCKING { return forgotten_; }
   double unread_variance() const CARGOBAY_NONBLOCKING {
     return covariance_[kPosition * kStates + kPosition];
@@ -96,10 +97,10 @@ class AxisFilter {
   Parameters parameters_;
   Transition driven_;
   Transition coasting_;  // the same without the disturbance's part
-  // A vector and a matrix to the source, where Eigen is: what includes this need not read it.
+  // The source maps these to a vector and a matrix, so that includers of this header need no Eigen.
   std::array<double, kStates> state_{};
   std::array<double, kStates * kStates> covariance_{};
-  double read_mm_ = 0.0;    // the way up to where state_'s position begins
+  double read_mm_ = 0.0;    // travel up to where state_'s position begins
   double forgotten_ = 0.0;  // mm^2
 };
 

@@ -18,7 +18,7 @@ constexpr std::int64_t nanoseconds(TimePoint time) {
 constexpr double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
-// As the kernel's calls want it; `duration` is not negative.
+// As system calls take it; `duration` must not be negative.
 constexpr timespec as_timespec(Duration duration) {
   return {.tv_sec = static_cast<time_t>(duration.count() / 1'000'000'000),
           .tv_nsec = static_cast<long>(duration.count() % 1'000'000'000)};

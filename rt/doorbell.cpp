@@ -13,7 +13,7 @@ namespace {
 
 static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t));
 
-// The kernel's word for an absolute deadline of CLOCK_MONOTONIC (futex(2)).
+// The kernel's operation that takes an absolute CLOCK_MONOTONIC deadline (futex(2)).
 void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t value, TimePoint deadline) {
   const timespec until = as_timespec(deadline.time_since_epoch());
   syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, &until, nullptr,
@@ -24,7 +24,7 @@ void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t value, TimePoint
 
 bool Doorbell::wait(std::uint32_t seen, TimePoint deadline) noexcept {
   waiting_.fetch_add(1, std::memory_order_seq_cst);
-  // Woken, interrupted or late: looks again.
+  // Woken, interrupted or timed out: look again.
   while (rings_.load(std::memory_order_seq_cst) == seen && Clock::now() < deadline) {
     futex_wait(rings_, seen, deadline);
   }

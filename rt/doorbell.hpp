@@ -1,5 +1,5 @@
-// Wakes whoever waits for something new. The ringing side enters the kernel only while somebody
-// waits, and never waits itself.
+// Wakes whoever waits for something new. The ringing side enters the kernel only if there is a
+// waiter, and never waits itself.
 #pragma once
 
 #include <atomic>
@@ -12,17 +12,17 @@ namespace cargobay::rt {
 
 class Doorbell {
  public:
-  // How often it has rung; wraps.
+  // How often it has rung; wraps around.
   std::uint32_t rings() const CARGOBAY_NONBLOCKING {
     return rings_.load(std::memory_order_acquire);  // pairs with ring()
   }
-  // What was published before is seen by whoever sees the ring.
+  // Whoever sees the ring also sees what was published before it.
   void ring() CARGOBAY_NONBLOCKING {
-    // In one order with wait(): either this sees the waiter, or the waiter sees this.
+    // In one order with wait(): either this sees the waiter, or the waiter sees the ring.
     rings_.fetch_add(1, std::memory_order_seq_cst);
     if (waiting_.load(std::memory_order_seq_cst) != 0) wake();
   }
-  // Blocks while it has rung no more often than `seen`, until `deadline`. True where it has.
+  // Blocks until rings() differs from `seen`, or until `deadline`. True if it differs.
   bool wait(std::uint32_t seen, TimePoint deadline) noexcept;
 
  private:

@@ -16,7 +16,7 @@ namespace cargobay::rt {
 
 class Histogram {
  public:
-  // Values from here on, about 18 minutes in nanoseconds, are counted in the last bucket.
+  // Values from this one up, about 18 minutes in nanoseconds, are counted in the last bucket.
   static constexpr std::uint64_t kMostValue = std::uint64_t{1} << 40U;
 
   // One thread records at a time; another may take a snapshot() meanwhile.
@@ -27,8 +27,8 @@ class Histogram {
     if (value > max_) store(max_, value);
     store(sum_, sum_ + value);
   }
-  // A copy, while another thread records: the values that it has recorded by now, and perhaps a
-  // part of the one that it is at.
+  // A copy, taken while another thread records: every value recorded so far, and perhaps part of
+  // the one being recorded.
   Histogram snapshot() const CARGOBAY_NONBLOCKING {
     Histogram copy;
     for (std::size_t i = 0; i < kBuckets; ++i) {
@@ -39,10 +39,10 @@ class Histogram {
     copy.sum_ = load(sum_);
     return copy;
   }
-  // The same for something that is due every `interval` and waits for its turn: while it took
-  // longer, others were due and had to wait too, and were not measured. They are recorded as the
-  // value less one interval, less two, and so on: without them a stall of a thousand intervals
-  // would count as one late one ("coordinated omission", G. Tene). At most kMostOmitted of them.
+  // record() for something that is due every `interval` and waits for its turn. While one value was
+  // late, others were due, had to wait too, and were not measured. They are recorded as the value
+  // less one interval, less two, and so on: without them a stall of a thousand intervals would
+  // count as one late value ("coordinated omission", G. Tene). At most kMostOmitted of them.
   // `interval` is not 0.
   static constexpr std::uint64_t kMostOmitted = 1'000'000;
   void record_corrected(std::uint64_t value, std::uint64_t interval) CARGOBAY_NONBLOCKING {
@@ -58,11 +58,11 @@ class Histogram {
     sum_ += other.sum_;
   }
 
-  // Adds up the buckets: nothing is counted twice while recording.
+  // Adds up the buckets, so that record() has no second counter to keep.
   std::uint64_t count() const CARGOBAY_NONBLOCKING {
     return std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
   }
-  // Exact. 0 where nothing was recorded.
+  // Exact. 0 if nothing was recorded.
   std::uint64_t min() const CARGOBAY_NONBLOCKING { return min_ == kNone ? 0 : min_; }
   std::uint64_t max() const CARGOBAY_NONBLOCKING { return max_; }
 
@@ -71,7 +71,7 @@ class Histogram {
     return all == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(all);
   }
 
-  // Calls `see(value, count)` for each bucket that is not empty, in rising order: `value` is the
+  // Calls `see(value, count)` for each bucket that is not empty, in ascending order: `value` is the
   // bucket's last, never above max().
   template <typename See>
   void visit(See see) const {
@@ -81,7 +81,7 @@ class Histogram {
   }
 
   // The smallest value that at least `percent` (0 to 100) of the recorded ones do not exceed,
-  // rounded up to the end of its bucket but never above max(). 0 where nothing was recorded.
+  // rounded up to the end of its bucket but never above max(). 0 if nothing was recorded.
   std::uint64_t percentile(double percent) const CARGOBAY_NONBLOCKING {
     // 99.9 % of 1000 is the 999th, whatever floating point makes of it.
     const double all = static_cast<double>(count());
@@ -99,11 +99,11 @@ class Histogram {
   static constexpr std::uint64_t kSubBuckets = std::uint64_t{1} << kSubBits;
   static constexpr std::size_t kBuckets = (40 - kSubBits + 1) * kSubBuckets;
 
-  // Relaxed: each number is whole, and that is all that a snapshot promises.
+  // Relaxed: each number is read whole, and a snapshot promises no more.
   static void store(std::uint64_t& number, std::uint64_t value) CARGOBAY_NONBLOCKING {
     std::atomic_ref{number}.store(value, std::memory_order_relaxed);
   }
-  // Until C++26 there is no atomic_ref of what is const; a load changes nothing.
+  // Before C++26 there is no atomic_ref to const; a load changes nothing.
   static std::uint64_t load(const std::uint64_t& number) CARGOBAY_NONBLOCKING {
     return std::atomic_ref{const_cast<std::uint64_t&>(number)}.load(std::memory_order_relaxed);
   }
@@ -121,7 +121,7 @@ class Histogram {
     return ((bucket % kSubBuckets + kSubBuckets + 1) << shift) - 1;
   }
 
-  // atomic_ref wants 8 bytes of alignment, which a 32-bit processor's integers may not have.
+  // atomic_ref needs 8-byte alignment, which integers of a 32-bit processor may not have.
   static constexpr std::size_t kAlignment = 8;
   alignas(kAlignment) std::array<std::uint64_t, kBuckets> counts_{};
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};

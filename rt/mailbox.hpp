@@ -1,9 +1,9 @@
 // The latest value of something, from one writing thread to any number of reading threads.
 //
 // A sequence lock over atomic words: writing is wait-free, never blocks on a reader, and costs one
-// store a word. Reading retries while a write is under way. Free of data races in the C++ memory
-// model, and so under ThreadSanitizer: the words themselves are atomic (H. Boehm, "Can seqlocks get
-// along with programming language memory models?", 2012).
+// store per word. Reading retries while a write is in progress. Free of data races in the C++
+// memory model, and so under ThreadSanitizer: the words themselves are atomic (H. Boehm, "Can
+// seqlocks get along with programming language memory models?", 2012).
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@ class Mailbox {
     sequence_.store(sequence + 2, std::memory_order_release);  // pairs with the first load of get()
   }
 
-  // From any thread. Nothing where no value was put yet. Lock-free: retries while a value is put.
+  // From any thread. Nothing if no value has been put yet. Lock-free: retries during a put.
   std::optional<T> get() const CARGOBAY_NONBLOCKING {
     std::array<std::uint64_t, kWords> words{};
     for (;;) {

@@ -41,7 +41,7 @@ Pages pages_within(Memory memory) {
   return {.first = (first + page - 1) / page * page, .end = (first + memory.size()) / page * page};
 }
 
-// The program itself may have asked for it, and is not to lose it here.
+// Whether the program itself has asked for MCL_FUTURE, which must not be undone here.
 bool future_is_locked() {
   const std::size_t page = page_bytes();
   void* const fresh =
@@ -53,8 +53,8 @@ bool future_is_locked() {
   return locked;
 }
 
-// The kernel grows a stack by its lowest page, and asks there whether it is locked. (mlock(2),
-// kernel: acct_stack_growth().)
+// The kernel grows a stack from its lowest page, and applies the lock limit only if that page is
+// locked (mlock(2), kernel: acct_stack_growth()).
 void let_main_stack_grow() {
   std::ifstream maps{"/proc/self/maps"};
   for (std::string line; std::getline(maps, line);) {
@@ -66,7 +66,7 @@ void let_main_stack_grow() {
   }
 }
 
-// The segments of the program or library that this function is in.
+// The segments of the program or library that contains this function.
 std::vector<Memory> own_code() {
   std::vector<Memory> segments;
   const auto visit = [](dl_phdr_info* object, std::size_t /*size*/, void* found) {
@@ -121,7 +121,7 @@ int MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::uint64_t lim
     const Pages pages = pages_around(memory);
     sum += pages.bytes();
     if (sum > limit / 4 * 3) break;
-    // Stays locked: other loops may need it. Where it is refused, a page fault costs time, once.
+    // Stays locked: other loops may need it. If refused, it costs a page fault, once.
     (void)mlock(place(pages.first), pages.bytes());
   }
   return 0;

@@ -1,5 +1,5 @@
 // Marks a function of the real-time path: it neither throws, allocates, locks nor waits. Checked by
-// clang (-Wfunction-effects, RealtimeSanitizer); for other compilers it is noexcept alone.
+// clang (-Wfunction-effects, RealtimeSanitizer); other compilers see only noexcept.
 //
 //   void step() CARGOBAY_NONBLOCKING;
 //   double speed() const CARGOBAY_NONBLOCKING { return speed_; }

@@ -16,13 +16,13 @@ void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
   const double middle_rad = pose_.heading_rad + turn_rad / 2.0;
   cos_ = std::cos(middle_rad);
   sin_ = std::sin(middle_rad);
-  // The chord of the arc; a turn of one step is so small that a series is exact.
+  // The chord of the arc; one step turns so little that a series is exact.
   const double chord_mm = distance_mm * (1.0 - turn_rad * turn_rad / 24.0);
   const double x_mm = chord_mm * cos_;
   const double y_mm = chord_mm * sin_;
 
-  // The heading was wrong already: the step goes astray across. Written out, since most of what a
-  // product of matrices would add up is 0.
+  // The heading was already uncertain, so the step errs sideways. Written out, since most terms of
+  // the matrix product are 0.
   PoseCovariance& p = grown_;
   p.xx += -2.0 * y_mm * p.xh + y_mm * y_mm * p.hh;
   p.xy += x_mm * p.xh - y_mm * p.yh - x_mm * y_mm * p.hh;
@@ -30,7 +30,7 @@ void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
   p.xh -= y_mm * p.hh;
   p.yh += x_mm * p.hh;
 
-  // And the step itself: ahead, turned, and both at once where one wheel slips more.
+  // And the step itself: in distance, in turn, and in both at once if one wheel slips more.
   const double slip = parameters_.slip_mm2_per_mm;
   const double left_mm = std::abs(distance_mm - turn_rad * base_mm / 2.0);
   const double right_mm = std::abs(distance_mm + turn_rad * base_mm / 2.0);

@@ -1,9 +1,9 @@
-// Where the robot is, by what its wheels did: dead reckoning with a covariance that grows.
+// Where the robot is, going by its wheels: dead reckoning with a covariance that grows.
 //
-// Each step is an arc. Its uncertainty is what the estimator says, and slip: a wheel's way is wrong
-// by a variance in proportion to it (K. S. Chong and L. Kleeman, Accurate odometry and error
-// modelling for a mobile robot, ICRA 1997). What is not read yet is uncertain too, but does not add
-// up: the next reading tells it.
+// Each step is an arc. Its uncertainty is the estimator's, plus slip: the variance of a wheel's
+// travel grows in proportion to it (K. S. Chong and L. Kleeman, Accurate odometry and error
+// modelling for a mobile robot, ICRA 1997). Travel that is not read yet is uncertain too, but does
+// not add up: the next reading settles it.
 //
 // One thread; no allocation.
 #pragma once
@@ -33,19 +33,19 @@ class Odometry {
  public:
   struct Parameters {
     double wheel_base_mm = 258.0;
-    double distance_scale = 1.0;    // true distance for each mm reported, and
-    double turn_scale = 1.0;        // turn for each degree: tyres, carpet
-    double slip_mm2_per_mm = 0.02;  // of one wheel: 4.5 mm, one sigma, behind a metre
+    double distance_scale = 1.0;    // true mm for each mm reported
+    double turn_scale = 1.0;        // true degrees for each degree reported: tyres, carpet
+    double slip_mm2_per_mm = 0.02;  // of one wheel: 4.5 mm, one sigma, after a metre
   };
 
   explicit Odometry(const Parameters& parameters) : parameters_{parameters} {}
 
-  // The robot is there, for certain.
+  // The robot is known to be at `pose`, for certain.
   void reset(const Pose& pose) CARGOBAY_NONBLOCKING;
   void step(const Travel& travel) CARGOBAY_NONBLOCKING;
 
   const Pose& pose() const CARGOBAY_NONBLOCKING { return pose_; }
-  // The way gone; backwards counts down. reset() leaves it.
+  // Distance travelled; driving backwards reduces it. reset() does not change it.
   double distance_mm() const CARGOBAY_NONBLOCKING { return distance_mm_; }
   PoseCovariance covariance() const CARGOBAY_NONBLOCKING;
 

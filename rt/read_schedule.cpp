@@ -9,7 +9,7 @@ void ReadSchedule::begin(Phase phase) CARGOBAY_NONBLOCKING {
   in_phase_ = 0;
 }
 
-// Every frame for a while, then one window, and again.
+// Reads every frame for a while, then lets one window pass, and starts over.
 bool ReadSchedule::probe() CARGOBAY_NONBLOCKING {
   if (phase_ == Phase::reads && in_phase_ >= parameters_.probe_reads) begin(Phase::window);
   ++in_phase_;

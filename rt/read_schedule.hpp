@@ -1,9 +1,9 @@
 // Which frames read the counters.
 //
-// A robot that carries the remainder is read every tick: the finest there is. One that loses it is
-// read in windows of many ticks, since each reading costs up to a step. As long as the kind is not
-// known both are done in turn while the robot moves, because the contrast is what tells. What was
-// found is tried again now and then, for it may have been found by bad luck.
+// A robot that carries the remainder is read every tick, the finest possible. One that loses it is
+// read in windows of many ticks, since each reading costs up to a step. While the kind is not
+// known, a moving robot is read both ways in turn, because the contrast shows the kind. The finding
+// is rechecked now and then, for it may have been bad luck.
 #pragma once
 
 #include "rt/nonblocking.hpp"
@@ -17,9 +17,9 @@ class ReadSchedule {
     int window_ticks = 40;        // between readings of a robot that loses the remainder
     int least_window_ticks = 10;  // the same right after a change of speed: first see, then refine
     int probe_window_ticks = 10;  // the same while the kind is not known
-    int probe_reads = 12;         // readings in a row while the kind is not known
-    int recheck_carried_ticks = 200;  // between trials of what was found: a window costs little
-    int recheck_lost_ticks = 1000;    // and a row of readings costs more
+    int probe_reads = 12;         // successive readings while the kind is not known
+    int recheck_carried_ticks = 200;  // between rechecks of the kind: a window costs little
+    int recheck_lost_ticks = 1000;    // and a series of readings costs more
   };
 
   explicit ReadSchedule(const Parameters& parameters) : parameters_{parameters} {}
@@ -27,7 +27,7 @@ class ReadSchedule {
   // What the wheels are asked to do.
   enum class Motion { none, changing, steady };
 
-  // Once a tick: whether the frame of the next tick shall read the counters.
+  // Call once a tick. Whether the frame of the next tick should read the counters.
   bool next_reads(RemainderBelief belief, Motion motion) CARGOBAY_NONBLOCKING;
 
  private:

@@ -134,7 +134,7 @@ RealtimeGrant RealtimeThread::start(const RealtimeRequest& request, std::functio
   int priority = request.priority;
   std::optional<int> cpu = request.cpu;
   pthread_t thread{};
-  // With all that was asked for; then without what the error points at.
+  // First with all that was asked for, then without whatever the error points at.
   while (const int error = create(thread, stack_, body_, priority, cpu)) {
     if (cpu.has_value() && error == EINVAL) {
       grant.refusals.push_back({.right = Refusal::Right::affinity, .error = error});
@@ -168,7 +168,7 @@ bool RealtimeThread::try_join() {
 void RealtimeThread::detach() {
   if (thread_.has_value()) pthread_detach(*thread_);
   thread_.reset();
-  stack_ = {};  // the thread's for ever, as its locked memory is
+  stack_ = {};  // the thread keeps it for ever, like its locked memory
   let_go_of_latency();
 }
 

@@ -10,7 +10,7 @@ namespace {
 using Origin = Rights::Origin;
 
 constexpr int kUsualPriority = 80;
-constexpr int kGuardAbove = 10;  // the guard of the loop is above it
+constexpr int kGuardAbove = 10;  // the loop's guard runs above it
 constexpr int kMostPriority = 98;
 
 std::string size(std::uint64_t bytes) {
@@ -19,7 +19,7 @@ std::string size(std::uint64_t bytes) {
   return std::to_string(bytes / kKib) + " KiB";
 }
 
-// The words of one right for each of those who can give it.
+// What to write about one right, for each party that can grant it.
 struct Remedy {
   const char* capability;  // without "CAP_"
   std::string container;
@@ -63,7 +63,7 @@ std::string memory_remedy(const Rights& rights) {
                          .login = "memlock unlimited"});
 }
 
-// The kernel's own order: the rights first, then what its groups and filters say.
+// In the kernel's order: rights first, then control groups and filters.
 std::string explain_fifo(const Rights& rights, int priority) {
   if (!rights.has(Capability::sys_nice) &&
       rights.priority_limit < static_cast<std::uint64_t>(priority)) {
@@ -89,7 +89,7 @@ std::string lock_limit(const Rights& rights) {
 }
 
 std::string explain_stack(const Rights& rights, int error) {
-  // mmap(2): EAGAIN is for locked memory only.
+  // mmap(2): EAGAIN is returned for locked memory only.
   if (error == EAGAIN) {
     return ", because the program locks all its memory to come (MCL_FUTURE)" + lock_limit(rights) +
            ": " + memory_remedy(rights) + "; or leave MCL_FUTURE to the library";

@@ -12,21 +12,21 @@ struct Refusal {
   enum class Right : std::uint8_t {
     fifo,
     memory_lock,   // nothing is locked
-    whole_memory,  // what the thread needs is locked, and not all of the process's memory
+    whole_memory,  // what the thread needs is locked, but not all of the process's memory
     affinity,
     dma_latency,
-    stack,  // memory for the thread's
+    stack,  // memory for the thread's stack
     thread,
   };
   Right right = Right::fifo;
   int error = 0;   // errno
-  int wanted = 0;  // the SCHED_FIFO priority, of fifo
+  int wanted = 0;  // for fifo: the SCHED_FIFO priority
 };
 
-// One line: what was refused and why, a colon, and what to do about it. `rights`: of the thread
-// that was refused.
+// One line: what was refused and why, a colon, and what to do about it. `rights` are those of the
+// thread that was refused.
 std::string explain(const Refusal& refusal, const Rights& rights);
-// For the rights that the calling thread has now. Blocks as own_rights() does; allocates.
+// The same with the rights that the calling thread has now. Blocks as own_rights() does; allocates.
 std::string explain(const Refusal& refusal);
 
 }  // namespace cargobay::rt

@@ -39,12 +39,12 @@ std::uint64_t effective_capabilities() {
   return sets[0].effective | (std::uint64_t{sets[1].effective} << 32U);
 }
 
-// Whether a program that this process starts could still be given it.
+// Whether a program started by this process could still be given it.
 bool within_bounds(Capability capability) {
   return prctl(PR_CAPBSET_READ, static_cast<unsigned long>(capability), 0, 0, 0) == 1;
 }
 
-// cgroups(7): "ID:CONTROLLERS:PATH", one line a hierarchy; of the unified one without controllers.
+// cgroups(7): "ID:CONTROLLERS:PATH", one line a hierarchy; the unified one lists no controllers.
 struct Group {
   std::string controllers;
   std::string path;
@@ -61,7 +61,7 @@ std::vector<Group> groups(const fs::path& root) {
   return found;
 }
 
-// The folders that a group's files may be in, its own first.
+// The folders that may hold a group's files, its own first.
 std::vector<fs::path> folders(const fs::path& root, const Group& group) {
   const fs::path mounts = root / "sys/fs/cgroup";
   const fs::path below = fs::path{group.path}.relative_path();
@@ -110,7 +110,7 @@ bool is_service(const fs::path& root) {
   return false;
 }
 
-// Docker, podman, and systemd in whatever container each leave a sign.
+// Docker, podman, and systemd in any container each leave a sign.
 bool has_container_sign(const fs::path& root) {
   std::error_code error;
   for (const char* const sign : {".dockerenv", "run/.containerenv", "run/systemd/container"}) {
@@ -122,12 +122,12 @@ bool has_container_sign(const fs::path& root) {
 Rights::Origin origin(const fs::path& root) {
   if (has_container_sign(root)) return Rights::Origin::container;
   if (is_service(root)) return Rights::Origin::service;
-  // Beyond that not even root gets it, unless from outside.
+  // Not even root can get a capability that the bounding set lacks; only the outside can grant it.
   const bool bounded = !within_bounds(Capability::sys_nice) || !within_bounds(Capability::ipc_lock);
   return bounded ? Rights::Origin::container : Rights::Origin::login;
 }
 
-// user_namespaces(7): all numbers are there in the first namespace only.
+// user_namespaces(7): only the first namespace maps all numbers.
 bool is_namespaced(const fs::path& root) {
   constexpr std::uint64_t kAll = 4294967295;
   std::istringstream map{contents(root / "proc/self/uid_map")};

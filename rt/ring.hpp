@@ -1,5 +1,5 @@
-// A queue of fixed capacity from one thread to one other, wait-free at both ends. What does not fit
-// is dropped and counted: the writer never waits.
+// A queue of fixed capacity from one thread to one other, wait-free at both ends. A value that does
+// not fit is dropped and counted: the writer never waits.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ class SpscRing {
   static_assert(std::has_single_bit(kCapacity), "the capacity is a power of two");
 
  public:
-  // From the writing thread. False, and one more dropped, where the ring is full.
+  // From the writing thread. If the ring is full: false, and one more dropped.
   bool push(const T& value) CARGOBAY_NONBLOCKING {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     // Acquire pairs with pop()'s release: the slot has been read before it is written again.
@@ -32,7 +32,7 @@ class SpscRing {
     return true;
   }
 
-  // From the reading thread. False where the ring is empty.
+  // From the reading thread. False if the ring is empty.
   bool pop(T& value) CARGOBAY_NONBLOCKING {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;

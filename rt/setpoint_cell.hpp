@@ -18,17 +18,18 @@ class SetpointCell {
 
   struct Setpoint {
     WheelSpeeds speeds{};
-    std::uint32_t serial = 0;  // 24 bits; 0 until the first put(), another number at each
+    std::uint32_t serial = 0;  // 24 bits; 0 before the first put(), changed by each
   };
 
-  // From any thread. False, and nothing changed, for a speed that is no number or beyond kMaxSpeed.
+  // From any thread. False, with nothing changed, for a speed that is not a number or beyond
+  // kMaxSpeed.
   [[nodiscard]] bool put(const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
     if (!(std::abs(speeds.left_mm_s) <= kMaxSpeed) || !(std::abs(speeds.right_mm_s) <= kMaxSpeed)) {
       return false;
     }
     const std::uint64_t payload = pack(speeds.left_mm_s) << 44U | pack(speeds.right_mm_s) << 24U;
     std::uint64_t old = word_.load(std::memory_order_relaxed);
-    // Relaxed is enough: the word carries all there is to know.
+    // Relaxed is enough: the word is all there is to know.
     while (
         !word_.compare_exchange_weak(old, payload | next_serial(old), std::memory_order_relaxed)) {
     }

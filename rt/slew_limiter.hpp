@@ -1,4 +1,4 @@
-// Limits how fast a wheel's set speed changes, and how fast that change sets in.
+// Limits how fast a wheel's set speed changes, and how fast that change builds up.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace cargobay::rt {
 
-// One thread; no allocation. While the target rests the set speed reaches it exactly, and never
-// goes beyond it. A target that moves may ask for less than the acceleration under way leads to:
-// what is too much of it is dropped at once, past the jerk limit, so that nothing asked to slow
-// down speeds up first.
+// One thread; no allocation. If the target is constant, the set speed reaches it exactly and never
+// overshoots. If it moves, the acceleration in progress may be too much for it: the excess is
+// dropped at once, whatever the jerk limit, so that a wheel asked to slow down does not speed up
+// first.
 class SlewLimiter {
  public:
   struct Limits {
@@ -21,8 +21,7 @@ class SlewLimiter {
 
   explicit SlewLimiter(const Limits& limits) : limits_{limits} {}
 
-  // Rests at that speed from here on, whatever the limits say: also for the stop that must not
-  // wait.
+  // Stays at that speed from now on, whatever the limits: also for the stop that must not wait.
   void reset(double speed_mm_s) CARGOBAY_NONBLOCKING {
     speed_mm_s_ = speed_mm_s;
     rate_mm_s2_ = 0.0;
@@ -33,7 +32,7 @@ class SlewLimiter {
     const double way_mm_s = target_mm_s - speed_mm_s_;
     const double most_mm_s = most_change(way_mm_s, step_s);
     const double change_mm_s = std::clamp(way_mm_s, -most_mm_s, most_mm_s);
-    // By difference it would miss the target by a rounding.
+    // Adding the difference could miss the target by a rounding error.
     speed_mm_s_ = change_mm_s == way_mm_s ? target_mm_s : speed_mm_s_ + change_mm_s;
     rate_mm_s2_ = change_mm_s / step_s;
     return speed_mm_s_;
@@ -43,7 +42,7 @@ class SlewLimiter {
   double rate_mm_s2() const CARGOBAY_NONBLOCKING { return rate_mm_s2_; }
 
  private:
-  // The change towards the target that this step may make, not signed.
+  // The greatest change towards the target in this step, unsigned.
   double most_change(double way_mm_s, double step_s) const CARGOBAY_NONBLOCKING {
     const double most_mm_s = limits_.acceleration_mm_s2 * step_s;
     if (limits_.jerk_mm_s3 <= 0.0) return most_mm_s;
@@ -53,9 +52,8 @@ class SlewLimiter {
                      fading_change(std::abs(way_mm_s), growth_mm_s)});
   }
 
-  // The change that, less `growth_mm_s` a step from the next step on, is gone when all steps
-  // together went `way_mm_s`: it takes part in n + 1 of them, less 1 + 2 + ... + n times the
-  // growth.
+  // The change that, reduced by `growth_mm_s` in each later step, reaches 0 when all steps together
+  // have covered `way_mm_s`: it takes part in n + 1 of them, less 1 + 2 + ... + n times the growth.
   static double fading_change(double way_mm_s, double growth_mm_s) CARGOBAY_NONBLOCKING {
     const double n = std::floor((std::sqrt(1.0 + 8.0 * way_mm_s / growth_mm_s) - 1.0) / 2.0);
     return way_mm_s / (n + 1.0) + growth_mm_s * n / 2.0;

@@ -5,14 +5,15 @@
 namespace cargobay::rt {
 namespace {
 
-// How much of a late arrival is taken for drift, a tick: 1000 ppm of 15 ms.
+// How much of a late arrival counts as drift, per tick: 1000 ppm of 15 ms.
 constexpr Duration kMostDrift = std::chrono::microseconds{15};
-// Frames that come every 16 ms are late by more than three quarters of a tick four or five times in
-// a row, before two come together: TickClock::kPatience. More than so many are not late like this;
-// only a bunch that is still being handed over is waited for.
+// Frames handed over every 16 ms are late by more than three quarters of a tick four or five times
+// in a row, before two come together: hence TickClock::kPatience. More missing frames than
+// kMostLate are not late in this way; then the wait is only for a bunch that is still being handed
+// over.
 constexpr std::int64_t kMostLate = 2;
 constexpr int kShortPatience = 2;
-// Ticks within which a frame that was given up may still come.
+// Ticks within which a frame that was given up may still arrive.
 constexpr std::int64_t kMemory = 67;
 
 }  // namespace
@@ -47,14 +48,14 @@ int TickClock::arrived(TimePoint arrival, int frames, std::uint64_t damaged) CAR
     given_up_ += lost;
     given_up_at_ = by_time_;
   }
-  // While something is missing, this may be an arrival of a tick earlier, and very late. Behind a
-  // loss it may still be one, and seem early.
+  // While frames are missing, this arrival may belong to an earlier tick, and be very late. After a
+  // loss it may still do so, and seem early.
   const Duration most_early = given_up_ > 0 ? kMostDrift : tick_;
   if (missing() == 0) phase_ += std::clamp<Duration>(arrival - phase_, -most_early, kMostDrift);
   return static_cast<int>(lost - back);
 }
 
-// More frames than ticks, and too early for the next: how many of them were given up before.
+// If there are more frames than ticks, and too early for the next: how many had been given up.
 std::int64_t TickClock::take_back(TimePoint arrival) CARGOBAY_NONBLOCKING {
   if (by_time_ - given_up_at_ > kMemory) given_up_ = 0;
   const bool early = phase_ + tick_ - arrival >= early_;
@@ -75,7 +76,7 @@ bool TickClock::in_doubt() const CARGOBAY_NONBLOCKING {
   return doubtful_ > 0 && least_missing_ > kMostLate;
 }
 
-// How many of the missing frames are given up.
+// How many of the missing frames to give up.
 std::int64_t TickClock::settle(std::int64_t passed, std::uint64_t damaged) CARGOBAY_NONBLOCKING {
   const auto seen_damaged =
       static_cast<std::int64_t>(std::min(damaged, static_cast<std::uint64_t>(missing())));

@@ -1,5 +1,5 @@
-// Calls something from a real-time function that the checkers cannot see to be harmless. Each use
-// says why it is: the one wait of the cycle, a system call on a descriptor that does not block, the
+// Calls something from a real-time function that the checkers cannot prove harmless. Each use says
+// why it is: the one wait of the cycle, a system call on a descriptor that does not block, the
 // clock.
 #pragma once
 

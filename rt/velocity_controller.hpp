@@ -21,8 +21,7 @@ class VelocityController {
   void reset() CARGOBAY_NONBLOCKING { integral_mm_s_ = 0.0; }
 
   // One tick. The set speed and its rate of change; the estimated speed. Returns the command,
-  // within
-  // +-max_command_mm_s. The integral does not grow while the command is at its limit.
+  // within +-max_command_mm_s. The integral does not grow while the command is at its limit.
   double step(double set_mm_s, double set_rate_mm_s2, double estimate_mm_s) CARGOBAY_NONBLOCKING;
 
   double integral_mm_s() const CARGOBAY_NONBLOCKING { return integral_mm_s_; }

@@ -9,10 +9,11 @@ namespace {
 
 constexpr double kInitialLogOdds = -1.5;  // until proven, the kind that is safe to assume
 constexpr double kMostLogOdds = 20.0;     // so that a mistake can still be undone
-// A reading that both kinds expected says nothing. Counted all the same, the small preference that
-// each filter has for its own expectations adds up over a long steady drive and decides wrongly.
+// A reading that both kinds expected is no evidence. If it counted all the same, the small
+// preference that each filter has for its own expectations would add up over a long steady drive
+// and decide wrongly.
 constexpr double kLeastEvidence = 0.3;
-constexpr double kMostSpeed = 600.0;  // mm/s, a fifth above what the robot can be told
+constexpr double kMostSpeed = 600.0;  // mm/s, a fifth above the robot's range
 constexpr double kSlackSteps = 2.0;   // of the counter
 
 AxisFilter::Parameters distance_axis(const WheelEstimator::Parameters& parameters) {
@@ -34,11 +35,11 @@ AxisFilter::Parameters turn_axis(const WheelEstimator::Parameters& parameters) {
           .counter_noise_mm = 0.2};
 }
 
-// As std::hypot, for what neither overflows nor vanishes.
+// Like std::hypot, for values that neither overflow nor underflow.
 double length(double a, double b) CARGOBAY_NONBLOCKING { return std::sqrt(a * a + b * b); }
 
-// How far a wheel's counter may go astray in one tick: it takes its sign from the command, so a
-// wheel still rolling the old way counts the wrong way.
+// How far a wheel's counter may err in one tick: it takes its sign from the command, so a wheel
+// that keeps rolling the old way counts the wrong way.
 double coasting_error_mm(double command_mm_s, double speed_mm_s, double tick_s)
     CARGOBAY_NONBLOCKING {
   return command_mm_s * speed_mm_s < 0.0 ? 2.0 * std::abs(speed_mm_s) * tick_s : 0.0;
@@ -133,7 +134,7 @@ void WheelEstimator::doubt_command() CARGOBAY_NONBLOCKING {
   command_unsure_ = static_cast<int>(std::ceil(kLags * parameters_.lag_s / parameters_.tick_s));
 }
 
-// Whether a robot at full speed, and then some, could have gone so far since the last reading.
+// Whether a robot at full speed, and then some, could have gone this far since the last reading.
 bool WheelEstimator::plausible(const Reading& reading) const CARGOBAY_NONBLOCKING {
   const double most_mm = kMostSpeed * parameters_.tick_s * ticks_since_read_ + kSlackSteps;
   const double most_deg =
@@ -183,7 +184,7 @@ WheelEstimator::Taken WheelEstimator::total(const Hypothesis& hypothesis) CARGOB
           .turn_variance = hypothesis.turn.forgotten_variance()};
 }
 
-// Step by step, by what is believed now: a kind that was found out late does not move what is past.
+// Each step uses what is believed at the time: finding out the kind late does not move the past.
 Travel WheelEstimator::take_travel() CARGOBAY_NONBLOCKING {
   const Taken carried = total(carried_);
   const Taken lost = total(lost_);

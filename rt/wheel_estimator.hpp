@@ -2,9 +2,9 @@
 //
 // Distance is the mean of the wheels' travel in whole mm, angle their difference over the wheel
 // base in whole degrees; the part below one step is carried to the next reading by some robots and
-// lost by others. Both kinds are estimated side by side, an AxisFilter for each axis, and the
-// probability that each gave to what was read accumulates as evidence. The two agree where the
-// counters are read seldom and part where they are read every tick, so both must happen for the
+// lost by others. Both kinds are estimated side by side, with an AxisFilter for each axis, and the
+// probability that each gave to the readings accumulates as evidence. The two agree when the
+// counters are read seldom and differ when they are read every tick, so both must happen for the
 // kind to show: see rt/read_schedule.hpp.
 //
 // Steps by the robot's tick, never by arrival time. One thread; no allocation.
@@ -20,7 +20,7 @@
 
 namespace cargobay::rt {
 
-// What is known of the remainder.
+// What is known about the remainder.
 enum class RemainderBelief : std::uint8_t { unknown, carried, lost };
 
 class WheelEstimator {
@@ -33,11 +33,11 @@ class WheelEstimator {
     double speed_noise_mm_s = 2.0;   // of a wheel, each tick
     double droop_sd = 0.08;          // how much of a change of command the motors may lose
     double decision_log_odds = 7.0;  // evidence that settles the kind: about 1000 to 1
-    // Known from the configuration; otherwise it is found out.
+    // Known from the configuration; if empty, the estimator finds out.
     std::optional<Remainder> remainder{};
   };
 
-  // What a frame said of the counters.
+  // What a frame said about the counters.
   struct Reading {
     int distance_mm = 0;
     int angle_deg = 0;
@@ -45,40 +45,40 @@ class WheelEstimator {
 
   explicit WheelEstimator(const Parameters& parameters);
 
-  // Before the first motion, and after the wheels were out of our hands.
+  // Before the first motion, and after the wheels were out of our control.
   void reset() CARGOBAY_NONBLOCKING;
 
-  // One tick of the robot has passed and its frame is here. `command`: what was sent on the frame
-  // before. `reading`: what the frame carries; nothing where it does not read the counters.
+  // One tick of the robot has passed and its frame is here. `command`: what was sent in answer to
+  // the frame before. `reading`: what the frame carries; nothing if it does not read the counters.
   void step(const WheelSpeeds& command, const std::optional<Reading>& reading) CARGOBAY_NONBLOCKING;
 
-  // The next reading may be that of several ticks: nobody can tell yet, so it says nothing.
+  // The next reading may cover several ticks. That cannot be known yet, so it says nothing.
   void doubt_next_reading() CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
 
-  // From which tick on the present command acts is not known, as when the robot was told to stop
-  // while its frames stayed away. For three lags the readings are no evidence for either kind.
+  // It is not known from which tick on the present command acts, for example when the robot was
+  // told to stop while no frames arrived. For three lags the readings are no evidence for either
+  // kind.
   void doubt_command() CARGOBAY_NONBLOCKING;
 
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
   void step_lost(const WheelSpeeds& command, bool may_have_read) CARGOBAY_NONBLOCKING;
 
-  // So many frames that were taken for lost are here, and next: their ticks have been gone through.
-  // What they read is of the past and will be missing in the reading behind them, so neither says
-  // anything.
+  // The next `frames` frames were taken for lost: their ticks have been counted. What they read is
+  // of the past and will be missing from the reading after them, so neither says anything.
   void came_after_all(int frames) CARGOBAY_NONBLOCKING { gone_through_ += frames; }
 
   WheelSpeeds speeds() const CARGOBAY_NONBLOCKING;
-  // The way since the last call, or since reset().
+  // Travel since the last call, or since reset().
   Travel take_travel() CARGOBAY_NONBLOCKING;
   RemainderBelief belief() const CARGOBAY_NONBLOCKING { return belief_; }
   // Evidence for `carried` over `lost`, natural logarithm of the odds.
   double log_odds_carried() const CARGOBAY_NONBLOCKING { return log_odds_; }
-  // Of all readings that were believed, as the likelier kind of robot foresaw them: natural
-  // logarithm of their probability. What fits a drive best has the greatest.
+  // Natural logarithm of the probability that the likelier kind of robot gave to all readings that
+  // were believed. The best fit to a drive has the greatest.
   double log_likelihood() const CARGOBAY_NONBLOCKING {
     return log_odds_ > 0.0 ? carried_likelihood_ : lost_likelihood_;
   }
-  // Readings that no robot can make, and that were taken for unseen.
+  // Readings that no robot can produce, treated as unseen.
   std::uint64_t rejected() const CARGOBAY_NONBLOCKING { return rejected_; }
   // Standard deviation that the filter itself states for one wheel's speed.
   double speed_sd_mm_s() const CARGOBAY_NONBLOCKING;
@@ -95,7 +95,7 @@ class WheelEstimator {
   void weigh(double log_odds) CARGOBAY_NONBLOCKING;
   void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
 
-  // Way and forgotten variance of one hypothesis, as they were when they were last taken.
+  // Travel and forgotten variance of one hypothesis when they were last taken.
   struct Taken {
     double distance_mm = 0.0;
     double turn_mm = 0.0;
@@ -111,15 +111,15 @@ class WheelEstimator {
   Taken lost_taken_{};
   WheelSpeeds sent_{};  // the command that acts at the start of the next tick
   double log_odds_ = 0.0;
-  double carried_weight_ = 0.5;  // the probability that these odds are
+  double carried_weight_ = 0.5;  // the same odds as a probability
   double carried_likelihood_ = 0.0;
   double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;
   int ticks_since_read_ = 0;
   std::uint64_t rejected_ = 0;
-  int command_unsure_ = 0;       // for so many ticks more
+  int command_unsure_ = 0;       // ticks left
   int gone_through_ = 0;         // frames to come whose ticks step_lost() has counted
-  bool reading_unsure_ = false;  // a read may have gone unseen: the next says nothing
+  bool reading_unsure_ = false;  // a read may have gone unseen: the next one says nothing
 };
 
 }  // namespace cargobay::rt

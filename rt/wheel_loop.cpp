@@ -5,7 +5,7 @@
 namespace cargobay::rt {
 namespace {
 
-constexpr double kMoving = 1.0;  // mm/s: a wheel that is asked for more is taken to move
+constexpr double kMoving = 1.0;  // mm/s: a wheel asked for more counts as moving
 
 }  // namespace
 

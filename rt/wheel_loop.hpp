@@ -1,6 +1,6 @@
 // The closed velocity loop of both wheels: estimator, read schedule, acceleration limit and
-// controllers, one step a tick of the robot. Knows no clock, no bytes and no port, so that what was
-// recorded can be replayed bit for bit.
+// controllers, one step per tick of the robot. Knows no clock, no bytes and no port, so that a
+// recording can be replayed bit for bit.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace cargobay::rt {
 
 class WheelLoop {
  public:
-  // Whether the estimate takes part in the command.
+  // Whether the estimate affects the command.
   enum class Feedback { closed, open };
 
   struct Parameters {
@@ -34,26 +34,27 @@ class WheelLoop {
   void came_after_all(int frames) CARGOBAY_NONBLOCKING { estimator_.came_after_all(frames); }
   void doubt_next_reading() CARGOBAY_NONBLOCKING { estimator_.doubt_next_reading(); }
   void frame(const std::optional<WheelEstimator::Reading>& reading) CARGOBAY_NONBLOCKING;
-  // ... and this once behind them. Returns the command for the wheels, whole mm/s within the
-  // robot's range. A target of 0 reached by the acceleration limit is a command of exactly 0.
+  // ... and then this, once. Returns the command for the wheels, whole mm/s within the robot's
+  // range. When the acceleration limit has brought the set speed to a target of 0, the command is
+  // exactly 0.
   WheelSpeeds control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING;
-  // The command could not be sent: the former one still acts.
+  // The command could not be sent: the previous one still acts.
   void not_sent(const WheelSpeeds& former) CARGOBAY_NONBLOCKING { command_ = former; }
-  // It may act a tick later than one that is sent in time.
+  // The command may act a tick later than one sent in time.
   void sent_late() CARGOBAY_NONBLOCKING { estimator_.doubt_command(); }
 
-  // The wheels were told to stop, past the acceleration limit: they start again from standing.
+  // The wheels were told to stop, past the acceleration limit: they start again from standstill.
   void stop() CARGOBAY_NONBLOCKING;
 
   WheelSpeeds estimate() const CARGOBAY_NONBLOCKING { return estimator_.speeds(); }
   Travel take_travel() CARGOBAY_NONBLOCKING { return estimator_.take_travel(); }
-  // The target behind the acceleration limit.
+  // The target after the acceleration limit.
   WheelSpeeds set() const CARGOBAY_NONBLOCKING {
     return {left_.slew.speed_mm_s(), right_.slew.speed_mm_s()};
   }
   WheelSpeeds command() const CARGOBAY_NONBLOCKING { return command_; }
   RemainderBelief belief() const CARGOBAY_NONBLOCKING { return estimator_.belief(); }
-  // Whether the frame of the next tick shall read the counters; once a tick.
+  // Call once a tick. Whether the frame of the next tick should read the counters.
   bool next_reads() CARGOBAY_NONBLOCKING;
 
  private:

@@ -31,21 +31,21 @@ constexpr milliseconds kBootMargin{2500};
 constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
 constexpr milliseconds kIndicatorTimeout{1000};
 constexpr milliseconds kSendTimeout{1000};
-constexpr int kGoodFrames = 3;    // in the wanted mode, before the robot is believed
-constexpr int kAnswerFrames = 2;  // at some rate, before it is believed to be there
+constexpr int kGoodFrames = 3;    // in the wanted mode, before the mode is believed
+constexpr int kAnswerFrames = 2;  // at one rate, before the robot counts as found there
 constexpr auto kPassive = static_cast<std::uint8_t>(oi::Mode::passive);
 constexpr int kMostToggles = 2;  // the first may have switched off a robot that was on and deaf
 constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands, of questions
-// What a robot may have been left at, the likeliest first: what it starts at, and what hosts use.
+// Rates that a robot may have been left at, likeliest first: its default, and those that hosts use.
 constexpr std::array<std::uint32_t, 3> kLikelyRates{57600, 19200, 115200};
-// Slowest first: a robot makes nothing of zeros that come more slowly than it listens.
+// Slowest first: zeros that come more slowly than the robot listens mean nothing to it.
 constexpr std::array<std::uint32_t, 9> kOtherRates{300,  600,   1200,  2400, 4800,
                                                    9600, 14400, 28800, 38400};
-constexpr std::uint32_t kLeastFreedRate = 2400;  // in two seconds
+constexpr std::uint32_t kLeastFreedRate = 2400;  // frees a robot in two seconds
 constexpr std::size_t kChangeBytes = 5;          // Start, Pause Stream, Baud
 constexpr auto kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
     oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
-// At a rate that cannot carry a stream the robot is asked for this, by Query List.
+// At a rate that cannot carry a stream, the robot is asked for this by Query List.
 constexpr auto kAskedList = oi::list_of<oi::PacketId, oi::kMaxQueryPackets>(
     oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::oi_mode);
 constexpr std::size_t kAskedBytes = 2 + 2 + 2 * kAskedList.size();  // Pause, Query List, the reply
@@ -76,7 +76,7 @@ class BringUp {
     pulse,           // on the BRC pin
     search,          // at the other rates, the likely ones first
     search_deeper,   // at the likely rates, freeing it from a half-sent command
-    listen,          // for one that boots, or prints that it is off or charging
+    listen,          // for a robot that boots, or prints that it is off or charging
     search_deepest,  // at the other rates, freeing it there too
     change_rate,     // by the Baud command
     take_mode,
@@ -97,7 +97,7 @@ class BringUp {
   Step change_rate();
   Step take_mode();
 
-  // How to get from the rate it was found at to the wanted one.
+  // How to get from the rate at which it was found to the wanted one.
   Step from(std::uint32_t baud);
   Step give_up(BringUpTrouble trouble) {
     trouble_ = trouble;
@@ -107,14 +107,14 @@ class BringUp {
     return request_.pins.brc != nullptr && wanted_ == oi::kBrcBaud && pulse_tries_ < kMostTries;
   }
   bool toggle_left() const {
-    // One that is on would be switched off.
+    // A robot that is on would be switched off.
     return request_.pins.power_toggle != nullptr && toggles_ < kMostToggles && known_on_ != true;
   }
   bool verify_pulsed();
   bool widths_good(const gpio::PlayReport& report) const;
 
   bool spoke() const;
-  // Whether it answers: by a stream, or by replies if the rate cannot carry one.
+  // Whether it answers: with a stream, or with replies if the rate cannot carry one.
   bool probe(std::uint32_t baud);
   bool stirs(std::uint32_t baud);
   bool streams(std::uint32_t baud);
@@ -144,7 +144,7 @@ class BringUp {
   Dialogue talk_;
   std::uint32_t wanted_;
   rt::TimePoint began_;
-  rt::TimePoint powered_at_;  // where unknown: at the beginning, at the latest
+  rt::TimePoint powered_at_;  // if unknown: the beginning, the latest that it can be
   std::optional<bool> known_on_{};
   int toggles_ = 0;
   int pulse_tries_ = 0;
@@ -178,7 +178,7 @@ BringUp::Step BringUp::take(Step step) {
   return step;
 }
 
-// Ends: each way back to an earlier step is counted, and its count limited.
+// Terminates: each way back to an earlier step is counted and limited.
 Result<BringUpReport> BringUp::run() {
   stream_.discard_input();
   Step step = Step::check_power;
@@ -224,12 +224,12 @@ BringUp::Step BringUp::power_on() {
 }
 
 BringUp::Step BringUp::greet() {
-  // One that has just been switched on may take its time.
+  // A robot that has just been switched on may take its time.
   const rt::TimePoint limit = toggles_ > 0 ? powered_at_ + kBootTime + kBootMargin : stream_.now();
   do {
     if (probe(wanted_)) return from(wanted_);
   } while (!talk_.over() && stream_.now() < limit);
-  // Whether pulses fall on a robot that is off, nobody would know.
+  // If the robot may be off, pulses would go unnoticed.
   const bool may_be_off = toggle_left();
   return pulses_wanted() && !may_be_off ? Step::pulse : Step::search;
 }
@@ -264,7 +264,7 @@ BringUp::Step BringUp::pulse() {
   return searched_ && report_.found_baud != 0 ? from(report_.found_baud) : Step::search;
 }
 
-// Booting, it is deaf for a while after the pulses.
+// While booting, the robot is deaf for a while after the pulses.
 bool BringUp::verify_pulsed() {
   const rt::TimePoint limit = std::max<rt::TimePoint>(
       powered_at_ + (toggles_ > 0 ? kBootTime + kBootMargin : milliseconds{0}),
@@ -289,9 +289,10 @@ BringUp::Step BringUp::search() {
     if (baud != wanted_ && probe(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
-  // At once: freeing it at a likely rate sends hundreds of bytes to a robot that is at another.
+  // Before freeing: freeing a robot at a likely rate sends hundreds of bytes to one at another
+  // rate.
   for (const std::uint32_t baud : kOtherRates) {
-    if (spoke() || listened_) break;  // in vain: it boots or charges, or was looked for before
+    if (spoke() || listened_) break;  // in vain: it boots or charges, or was searched for before
     if (baud != wanted_ && probe(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
@@ -311,7 +312,7 @@ BringUp::Step BringUp::search_deeper() {
   return listened_ ? Step::search_deepest : Step::listen;
 }
 
-// Last, because few robots are there, and not where it takes seconds.
+// Last, because few robots are at these rates, and not where freeing takes too many seconds.
 BringUp::Step BringUp::search_deepest() {
   if (toggle_left()) return Step::power_on;
   for (const std::uint32_t baud : kOtherRates) {
@@ -322,7 +323,7 @@ BringUp::Step BringUp::search_deepest() {
   return give_up(BringUpTrouble::silent);
 }
 
-// It is off, boots or charges, at a rate that is known by that.
+// It is off, booting or charging, and its text shows the rate.
 bool BringUp::spoke() const {
   return std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_text(); });
 }
@@ -348,7 +349,7 @@ BringUp::Step BringUp::change_rate() {
   talk_.pause(kModeChangeWait);
   talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
   talk_.send(oi::Baud{oi::baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
-  // What did not leave is not obeyed: the probe will tell.
+  // A command that did not leave is not obeyed; the probe will show it.
   (void)stream_.drain(kSendTimeout + oi::wire_time(kChangeBytes, former));
   set_port(wanted_);
   if (!talk_.pause(oi::kBaudChangeWait + kModeChangeWait)) return Step::failed;
@@ -363,7 +364,7 @@ BringUp::Step BringUp::change_rate() {
 BringUp::Step BringUp::take_mode() {
   for (int i = 0; i < kMostTries && !talk_.over(); ++i) {
     if (i > 0) {
-      // One that streams already may hear nothing else: it takes what comes for data.
+      // A robot that already streams may hear no command: it takes what comes for data.
       tell("resynchronise", at_baud(wanted_));
       talk_.resynchronise();
       report_.resynchronised = true;
@@ -398,9 +399,9 @@ bool BringUp::probe(std::uint32_t baud) {
   return answers;
 }
 
-// A robot at another rate makes other bytes of those it is sent, and commands of some: half a
-// Script, a demo. Of Start and this question, in any of its rates, it makes nothing
-// (tests/hal/bring_up/wrong_rate_test.cpp), so nothing else is sent where nobody answers.
+// A robot at another rate reads other bytes than those sent, and commands in some of them: half a
+// Script, a demo. It makes nothing of Start and this question, at any of its rates
+// (tests/hal/bring_up/wrong_rate_test.cpp), so nothing else is sent until something answers.
 bool BringUp::stirs(std::uint32_t baud) {
   for (int i = 0; i < kMostTries; ++i) {
     talk_.send(oi::Sensors{oi::PacketId::wall});
@@ -441,7 +442,7 @@ bool BringUp::probe_freed(std::uint32_t baud) {
 
 void BringUp::set_port(std::uint32_t baud) {
   if (stream_.baud() == baud) return;
-  (void)stream_.set_baud(baud);  // a port that cannot is silent at that rate
+  (void)stream_.set_baud(baud);  // a port that cannot set it is silent at that rate
 }
 
 Failure BringUp::failure() {
@@ -459,8 +460,7 @@ Failure BringUp::failure() {
                      .toggled = toggles_ > 0,
                      .pin_error = pin_error_};
   if (trouble_ == BringUpTrouble::keeps_its_rate) set_port(report_.found_baud);
-  const Parting left =
-      farewell(stream_);  // one call that failed does not say that the port is gone
+  const Parting left = farewell(stream_);  // one failed call does not mean that the port is gone
   if (request_.left != nullptr) *request_.left = left;
   set_port(wanted_);
   return explain(why);
@@ -481,7 +481,7 @@ Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
 }  // namespace
 
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request) {
-  if (request.left != nullptr) *request.left = Parting::standing;  // as it was: nothing is sent yet
+  if (request.left != nullptr) *request.left = Parting::standing;  // as found: nothing sent yet
   if (!oi::fits(request.packets, stream.baud())) {
     return too_long(request.packets, stream.baud());
   }

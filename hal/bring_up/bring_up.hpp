@@ -20,7 +20,7 @@
 
 namespace cargobay::hal {
 
-// The robot's pins besides its serial port; null where not wired. Borrowed for the call.
+// The robot's pins besides its serial port; null if not wired. Borrowed for the call.
 struct RobotPins {
   gpio::Output* brc = nullptr;           // pin 15 of the cargo bay, 5 of the mini-DIN; high at rest
   gpio::Output* power_toggle = nullptr;  // pin 3; low at rest
@@ -38,11 +38,11 @@ struct BringUpRequest {
   oi::Mode mode = oi::Mode::safe;  // passive, safe or full
   oi::StreamList packets{};        // must hold oi_mode
   RobotPins pins{};
-  // Told of each step as it begins, and of what came of it; may be empty.
+  // Called with each step as it begins, and with its result; may be empty.
   std::function<void(const BringUpEvent&)> progress{};
-  // Asked every 20 ms: true ends the bring-up. May be empty.
+  // Called every 20 ms: true ends the bring-up. May be empty.
   std::function<bool()> cancelled{};
-  // Set by a failure: what became of the robot. May be null.
+  // Set on failure: what became of the robot. May be null.
   Parting* left = nullptr;
 };
 
@@ -50,24 +50,24 @@ enum class RateChange : std::uint8_t { none, brc, command };
 
 struct BringUpReport {
   rt::Duration took{0};
-  std::uint32_t found_baud = 0;  // where the robot first answered
+  std::uint32_t found_baud = 0;  // the rate at which the robot first answered
   RateChange rate_change = RateChange::none;
   bool powered_on = false;      // by the toggle
   bool resynchronised = false;  // freed from a half-sent command
-  gpio::PlayReport brc{};       // the last pulse train; no pulses where none was played
+  gpio::PlayReport brc{};       // the last pulse train; no pulses if none was played
   oi::Mode mode = oi::Mode::off;
-  std::int32_t battery_mv = 0;  // 0 where the list does not hold it
+  std::int32_t battery_mv = 0;  // 0 if the list does not contain it
 };
 
-// The stream's rate is the wanted one, and is set again at the end. In turn, as far as needed:
-// power on by the toggle; Start and a question at the wanted rate, and Stream where it is answered;
-// three pulses on the BRC pin, 2 s after power-on, where 19200 is wanted and the pin is wired; a
-// search at all rates, 57600, 19200 and 115200 first; once more after freeing the robot from a
-// half-sent command, which at 1200 baud or less is not tried; the Baud command; the mode. The
-// first readings of the stream, which may be junk, are consumed. Every pin is released at the end.
-// Blocks for 0.2 s where the robot answers at once, for up to 40 s where all has to be tried. After
-// a failure the robot was told to stop and go Passive; the failure says at which step it ended,
-// what was heard, and what to check.
+// The stream's rate is the wanted one, and is set again at the end. Tries in turn, as far as
+// needed: power on by the toggle; Start and a question at the wanted rate, then Stream if it is
+// answered; three pulses on the BRC pin, 2 s after power-on, if 19200 is wanted and the pin is
+// wired; a search at all rates, 57600, 19200 and 115200 first; another search after freeing the
+// robot from a half-sent command, except at 1200 baud or less; the Baud command; the mode. Consumes
+// the first readings of the stream, which may be junk. Releases every pin at the end. Blocks for
+// 0.2 s if the robot answers at once, for up to 40 s if everything has to be tried. After a failure
+// the robot has been told to stop and go Passive; the failure says at which step it ended, what was
+// heard, and what to check.
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
 
 std::string_view name(RateChange change);

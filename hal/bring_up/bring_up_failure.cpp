@@ -7,7 +7,8 @@
 namespace cargobay::hal {
 namespace {
 
-// The rates in the order they were tried, each once: "57600, 19200 and 115200 baud"; or all.
+// The rates in the order in which they were tried, each once: "57600, 19200 and 115200 baud"; or
+// all.
 std::string rates(const std::vector<HeardAt>& heard) {
   std::vector<std::uint32_t> tried;
   for (const HeardAt& at : heard) {

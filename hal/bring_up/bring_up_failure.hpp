@@ -1,4 +1,4 @@
-// Why a bring-up failed, and the line that says so.
+// Why a bring-up failed, and the message for it.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace cargobay::hal {
 
 enum class BringUpTrouble : std::uint8_t {
   silent,        // no answer at any rate; something else may have been heard
-  switched_off,  // so its indicator says, and there is no toggle
-  stays_off,     // so its indicator says, after the toggle
+  switched_off,  // according to its indicator, and there is no toggle
+  stays_off,     // according to its indicator, after the toggle
   pin_failed,
   keeps_its_rate,  // neither pulses nor the Baud command changed it
   wrong_mode,
@@ -32,13 +32,13 @@ struct HeardAt {
 
 struct BringUpFailure {
   BringUpTrouble trouble = BringUpTrouble::silent;
-  std::string step{};  // the last that was told
+  std::string step{};  // the last one reported
   std::uint32_t wanted_baud = 0;
   std::uint32_t found_baud = 0;  // 0: it never answered
   std::vector<HeardAt> heard{};  // each time that nothing answered
   oi::Mode wanted_mode = oi::Mode::safe;
   oi::Mode mode = oi::Mode::off;
-  bool charging = false;  // so the pin says
+  bool charging = false;  // according to its pin
   bool pulses_played = false;
   bool toggled = false;
   std::error_code pin_error{};

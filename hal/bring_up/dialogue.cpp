@@ -12,14 +12,14 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kSlice{20};  // at most so long until a cancellation is noticed
+constexpr milliseconds kSlice{20};  // a cancellation is noticed within this time
 constexpr milliseconds kSettle{50};
 constexpr std::size_t kLongestLine = 60;
-constexpr std::size_t kLeastLine = 4;  // characters that are not damage by chance
+constexpr std::size_t kLeastLine = 4;  // fewer characters may be damage by chance
 
 bool is_printable(std::uint8_t byte) { return byte >= 0x20 && byte < 0x7f; }
 
-// Whether the frame carries these packets and no other, in their order.
+// Whether the frame carries exactly these packets, in this order.
 bool carries(std::span<const std::uint8_t> frame, const oi::StreamList& packets) {
   std::size_t at = 2;
   for (const oi::PacketId packet : packets) {
@@ -67,9 +67,9 @@ void Dialogue::note(std::span<const std::uint8_t> bytes) {
 }
 
 bool Dialogue::wait_until(TimePoint deadline) {
-  // Looked at once even where the deadline has passed.
+  // Look once even if the deadline has passed.
   do {
-    (void)take(deadline);  // what comes in between belongs to nobody
+    (void)take(deadline);  // what arrives meanwhile is only noted
   } while (!over() && stream_.now() < deadline);
   return !over();
 }

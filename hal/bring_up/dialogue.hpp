@@ -20,48 +20,48 @@
 
 namespace cargobay::hal {
 
-// Since the beginning, or since the last forget().
+// What was heard since the beginning, or since the last forget().
 struct Heard {
   std::size_t bytes = 0;
   std::size_t printable = 0;
   std::string last_line{};  // the last whole line of text, up to 60 characters of it
 
-  // Mostly text, and a line of it: what a robot prints that charges or is switched off.
+  // Mostly text, and a line of it: what a robot prints while it charges or is switched off.
   bool is_text() const { return !last_line.empty() && printable * 4 > bytes * 3; }
 };
 
-// What frames of one list told.
+// What frames of one list reported.
 struct FramesHeard {
-  int frames = 0;  // of that very list
+  int frames = 0;  // of exactly that list
   int in_mode = 0;
   oi::Mode mode = oi::Mode::off;  // of the last
-  std::int32_t battery_mv = 0;    // where the list has it
+  std::int32_t battery_mv = 0;    // if the list has it
 };
 
 class Dialogue final : public gpio::PulseClock {
  public:
-  // The stream outlives it. `cancelled` is asked every 20 ms; empty: never cancelled.
+  // `stream` must outlive it. `cancelled` is called every 20 ms; empty: never cancelled.
   Dialogue(ByteStream& stream, std::function<bool()> cancelled)
       : stream_{stream}, cancelled_{std::move(cancelled)} {}
 
-  // By write_all(). What the port does not take is lost: an unanswered command is noticed by its
-  // silence.
+  // Uses write_all(). What the port does not take is lost: a command that goes unanswered is
+  // noticed by the silence.
   template <typename Command>
   void send(const Command& command) {
     if (const auto bytes = oi::encode(command)) (void)write_all(stream_, *bytes);
   }
-  // Completes any command that was cut short, and waits until that is through.
+  // Completes any command that was cut short, and waits until the zeros have gone through.
   void resynchronise();
 
-  // Takes what comes, until then. False where the dialogue is over.
+  // Reads whatever arrives meanwhile. False if the dialogue is over.
   bool pause(rt::Duration duration) { return wait_until(stream_.now() + duration); }
   TimePoint now() override { return stream_.now(); }
   bool wait_until(TimePoint deadline) override;
-  // Until so many frames of the list in that mode came, or none did for too long.
+  // Until `enough` frames of the list in that mode have come, or `timeout` has passed.
   FramesHeard listen(const oi::StreamList& packets, oi::Mode mode, int enough,
                      rt::Duration timeout);
 
-  // The first `bytes` bytes that come, or what came of them within `timeout`.
+  // The first `bytes` bytes that arrive, or those of them that arrived within `timeout`.
   std::vector<std::uint8_t> reply(std::size_t bytes, rt::Duration timeout);
 
   bool hung_up() const { return hung_up_; }
@@ -71,7 +71,7 @@ class Dialogue final : public gpio::PulseClock {
   void forget() { heard_ = {}; }
 
  private:
-  // What has come, no later than the deadline or a while; empty where nothing did.
+  // What has arrived by the deadline, or within a short while; empty if nothing did.
   std::span<const std::uint8_t> take(TimePoint deadline);
   void note(std::span<const std::uint8_t> bytes);
 

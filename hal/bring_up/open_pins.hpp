@@ -34,7 +34,7 @@ struct OpenPins {
   std::unique_ptr<gpio::Input> power_sense{};
   std::unique_ptr<gpio::Input> charging{};
 
-  // Valid as long as this is.
+  // Valid as long as this object.
   RobotPins pins() const {
     return {.brc = brc.get(),
             .power_toggle = power_toggle.get(),
@@ -43,7 +43,7 @@ struct OpenPins {
   }
 };
 
-// Those that are wired. After a failure none is held. Blocks for a few ms; allocates.
+// Opens those that are wired. After a failure none is held. Blocks for a few ms; allocates.
 Result<OpenPins> open_pins(const PinSettings& settings);
 
 }  // namespace cargobay::hal

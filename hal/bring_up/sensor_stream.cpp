@@ -30,7 +30,7 @@ Failure no_answer(const ByteStream& stream) {
           "finds it at any"};
 }
 
-// Reads and drops until nothing has come for a while. Returns whether anything had.
+// Reads and drops until nothing has arrived for a while. Returns whether anything had.
 bool settle(ByteStream& stream) {
   std::array<std::uint8_t, 256> bytes{};
   bool heard = false;
@@ -41,7 +41,7 @@ bool settle(ByteStream& stream) {
   return heard;
 }
 
-// Reads until so many bytes are there or the time is over.
+// Reads until `count` bytes are there or the time is up.
 std::vector<std::uint8_t> receive(ByteStream& stream, std::size_t count, rt::Duration timeout) {
   std::vector<std::uint8_t> received;
   const rt::TimePoint limit = stream.now() + timeout;
@@ -69,9 +69,9 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
   const bool streamed = settle(stream);
   const rt::Duration timeout =
       oi::wire_time(size + packets.size() + 2, stream.baud()) + kAnswerMargin;
-  (void)tell(stream, query);  // what was not sent shows as no answer
+  (void)tell(stream, query);  // if it was not sent, there is no answer
   std::vector<std::uint8_t> answer = receive(stream, size, timeout);
-  if (answer.empty()) {  // off hears nothing but Start
+  if (answer.empty()) {  // a robot that is off hears only Start
     (void)tell(stream, oi::Start{});
     (void)stream.wait(stream.now() + kStartWait);
     (void)settle(stream);
@@ -80,7 +80,7 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
   }
   if (streamed) {
     (void)tell(stream, oi::PauseResumeStream{oi::StreamState::resume});
-    (void)stream.wait(stream.now() + kQuiet);  // heard, before the port may get another rate
+    (void)stream.wait(stream.now() + kQuiet);  // let it hear this before the rate may change
   }
   if (answer.size() != size) return no_answer(stream);
   oi::SensorValues values;
@@ -119,8 +119,8 @@ Result<std::unique_ptr<SensorStream>> SensorStream::open(ByteStream& stream,
 
 SensorStream::~SensorStream() {
   (void)tell(stream_, oi::PauseResumeStream{oi::StreamState::pause});
-  // Whoever closes the port next sets it as it was found: until the robot is silent this may still
-  // be on its way, and would arrive at another rate.
+  // Closing the port sets it as it was found: until the robot is silent, this command may still be
+  // on its way, and would arrive at another rate.
   (void)settle(stream_);
 }
 

@@ -1,5 +1,5 @@
-// Reads sensors without driving: by stream, or once by query. For tools; the control cycle has a
-// way of its own.
+// Reads sensors without driving: by stream, or once by query. For tools; the control cycle has its
+// own way.
 #pragma once
 
 #include <memory>
@@ -13,14 +13,14 @@
 
 namespace cargobay::hal {
 
-// Asks for the packets once (Query List) and waits for the answer, at most 1.5 s. A stream that is
-// under way is paused for it and resumed. A robot that is off is started; the mode of one that is
-// not stays as it is.
+// Asks for the packets once (Query List) and waits for the answer, at most 1.5 s. A stream in
+// progress is paused for it and resumed. A robot that is off is started; otherwise its mode does
+// not change.
 Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::PacketId> packets);
 
 class SensorStream {
  public:
-  // Makes the robot stream these packets; starts it where it is off. `stream` outlives the object.
+  // Makes the robot stream these packets; starts it if it is off. `stream` must outlive the object.
   // Blocks for up to 1 s.
   static Result<std::unique_ptr<SensorStream>> open(ByteStream& stream,
                                                     std::span<const oi::PacketId> packets);
@@ -29,7 +29,7 @@ class SensorStream {
   SensorStream(const SensorStream&) = delete;
   SensorStream& operator=(const SensorStream&) = delete;
 
-  // The next frame's values. Blocks until it is here; fails after 500 ms without one.
+  // The next frame's values. Blocks until it arrives; fails after 500 ms without one.
   Result<oi::SensorValues> next();
 
  private:

@@ -10,11 +10,11 @@
 namespace cargobay::hal {
 namespace {
 
-// What the adapter and the kernel may add to the way of a frame and of its answer together: 2 ms of
-// the robot's 15.
+// The latency that adapter and kernel may add to a frame and its answer together: 2 ms of the
+// robot's 15.
 constexpr rt::Duration way_around(rt::Duration tick) { return tick * 2 / 15; }
 
-// Of one among others that are sent.
+// Time for each byte of a longer write.
 rt::Duration time_of_byte(std::uint32_t baud) {
   return sending_time(2, baud) - sending_time(1, baud);
 }
@@ -28,8 +28,8 @@ std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
   return std::clamp(bytes, CommandSender::kLongestOwnRest, Outgoing::kMostFill);
 }
 
-// What goes out beside the loop's longest commands, a drive and a list, before the next tick; no
-// more than the guard lets wait before its stop.
+// Bytes that can go out besides the loop's longest commands, a drive and a list, before the next
+// tick; no more than the backlog that the guard allows before its stop.
 std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
   constexpr std::size_t kOwn = oi::kDriveDirectBytes + 2 + kSignalsLeftList.size();
   constexpr std::size_t kMostSpare = kMostBacklog - kOwn;
@@ -66,22 +66,23 @@ FrameList CommandSender::next_list(FrameRotation::Counters counters,
 
 bool CommandSender::must_withhold(rt::TimePoint now, const TickLedger& ledger) const
     CARGOBAY_NONBLOCKING {
-  // After a long command the next would come when it is no longer true.
+  // After a long command, the next would arrive stale.
   if (line_free_ - now > line_.way_around) return true;
   const rt::TimePoint reaches = std::max(now, line_free_) + time_of(fill(ledger.last_arrival()));
   return tick_has_command(reaches, ledger);
 }
 
-// Whether the robot may get what is sent then in the same tick as the last command: a frame that
-// was very late has been answered in the tick of the next. Unless this one is on time without
-// doubt, commands are nearly a tick apart in any case: where all frames are late the phase does not
+// Whether the robot may get a command sent at `sent` in the same tick as the last one: a frame that
+// was very late has been answered in the tick of the next. Unless this frame is certainly on time,
+// commands are kept nearly a tick apart in any case: if all frames are late, the phase does not
 // show.
 bool CommandSender::tick_has_command(rt::TimePoint sent, const TickLedger& ledger) const
     CARGOBAY_NONBLOCKING {
   if (!ledger.on_time(line_.way_around) && sent - last_command_ < line_.tick - line_.way_around)
     return true;
   if (!ledger.clock().in_phase()) return false;
-  // A command reaches the robot in a new tick if it is sent so long before that tick's frame.
+  // A command reaches the robot in a new tick if it is sent at least the lead before that tick's
+  // frame.
   const rt::TimePoint tick_began = ledger.clock().due_by(sent + line_.lead) - line_.lead;
   return last_command_ > tick_began - line_.way_around;
 }
@@ -90,8 +91,8 @@ CommandSender::Sent CommandSender::drive(const rt::WheelSpeeds& command, FrameLi
                                          const Moment& moment) CARGOBAY_NONBLOCKING {
   const std::size_t zeros = fill(moment.woken);
   last_command_ = moment.now + time_of(zeros);
-  // The rest of a command is one: another after it would be the second in this tick. A stop does
-  // not wait for the next.
+  // The rest of a drive command counts as one: another after it would be the second in this tick. A
+  // stop does not wait for the next tick.
   const bool only_rest = outgoing_.drives() && command != rt::WheelSpeeds{};
   if (!only_rest) {
     outgoing_.add_fill(zeros);
@@ -113,10 +114,11 @@ CommandSender::Sent CommandSender::keep(FrameList list, std::optional<oi::Mode> 
   return write_out(moment);
 }
 
-// A line that went dead for a while may have cut a command in two, and its robot takes the next one
-// for the rest: so zeros come first, which are no harm as data and nothing as opcodes. What they
-// complete may be a list, which is why the list follows. A robot that does not stream what it was
-// told gets as many as there is room for: a command that it misread may want hundreds.
+// If the line was dead for a while, a command may have been cut in two, and the robot takes the
+// next one for its rest: so zeros come first, which are harmless as data and nothing as opcodes.
+// What they complete may be a list, which is why the list follows. A robot that does not stream
+// what it was told to gets as many zeros as there is room for: a command that it misread may want
+// hundreds.
 std::size_t CommandSender::fill(rt::TimePoint woken) const CARGOBAY_NONBLOCKING {
   // The rest of a command comes before anything else, and completes it.
   if (!outgoing_.empty()) return 0;
@@ -124,8 +126,8 @@ std::size_t CommandSender::fill(rt::TimePoint woken) const CARGOBAY_NONBLOCKING 
   return hearing_in_doubt_ || hearing_.misheard() ? longest_rest(woken) : 0;
 }
 
-// Of the commands that a robot may have got the beginning of, where the line was cut: a request is
-// among them until it must have arrived.
+// The longest rest of the commands whose beginning the robot may have received before the line was
+// cut. A request is one of them until it must have arrived.
 std::size_t CommandSender::longest_rest(rt::TimePoint woken) const CARGOBAY_NONBLOCKING {
   const bool lately = woken - last_request_ < line_.request_lasts;
   const std::size_t rest = lately ? std::max(kLongestOwnRest, last_request_rest_) : kLongestOwnRest;
@@ -137,13 +139,13 @@ void CommandSender::add_list(FrameList list) CARGOBAY_NONBLOCKING {
   if (list != list_ || again) outgoing_.add_list(list);
 }
 
-// If the robot hears, its mode allows it, and there is room: one command a frame.
+// If the robot hears, its mode allows it, and there is room: one command per frame.
 void CommandSender::add_request(const Moment& moment) CARGOBAY_NONBLOCKING {
   if (!request_) return;
   const std::span<const std::uint8_t> bytes = request_->command();
   const oi::CommandInfo* info = bytes.empty() ? nullptr : oi::find_command(bytes[0]);
   if (info == nullptr || !info->available_in(moment.mode)) {
-    request_.reset();  // the mode was lost since it was asked for
+    request_.reset();  // the mode was lost after it was requested
     return;
   }
   const rt::TimePoint now = stream_.now();
@@ -157,13 +159,14 @@ void CommandSender::add_request(const Moment& moment) CARGOBAY_NONBLOCKING {
   last_request_rest_ = bytes.size() - 1;
 }
 
-// Gives the port what is outgoing, in one write. That it still is the port needs no look if a whole
-// frame, checksum and all, was just read from the same descriptor: nothing else sends those.
+// Writes what is outgoing to the port, in one write. There is no need to check that it still is the
+// port if a whole frame, checksum and all, was just read from the same descriptor: nothing else
+// sends those.
 CommandSender::Sent CommandSender::write_out(const Moment& moment) CARGOBAY_NONBLOCKING {
   if (outgoing_.empty()) return Sent::whole;
   const bool proven = moment.frames_read && moment.now - moment.woken <= kOwnWork;
   if (!proven && !stream_.still_open()) return Sent::failed;
-  // The owner has given this thread up, and said farewell to the robot in its place.
+  // The owner has given up this thread and said farewell to the robot in its place.
   if (abandoned_.load()) return Sent::withheld;
   // The next pass ends the cycle.
   if (!guard_.begin_write(outgoing_.bytes().size())) return Sent::withheld;

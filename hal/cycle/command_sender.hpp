@@ -1,6 +1,6 @@
-// What the cycle sends: Drive Direct, the next frame's list, one request of another thread, and the
-// zeros that complete a command which was cut in two. Two drive commands never meet in one tick of
-// the robot.
+// What the cycle sends: Drive Direct, the next frame's list, one request from another thread, and
+// the zeros that complete a command that was cut in two. Two drive commands never reach the robot
+// in the same tick.
 #pragma once
 
 #include <atomic>
@@ -24,98 +24,99 @@
 
 namespace cargobay::hal {
 
-// abandon() from any thread, all else on the control thread. No allocation.
+// abandon() from any thread, everything else on the control thread. No allocation.
 class CommandSender {
  public:
   enum class Sent : std::uint8_t {
     whole,
-    not_whole,  // the drive command is not, or the robot has only its beginning
+    not_whole,  // the drive command was not taken whole, or the robot has only its beginning
     withheld,
     failed,  // port_error() says why
   };
-  // When and for what a write is.
+  // When a write happens, and under what circumstances.
   struct Moment {
     rt::TimePoint now{};
     rt::TimePoint woken{};     // when this pass of the cycle began
     bool frames_read = false;  // in this pass, from the same port
     oi::Mode mode = oi::Mode::off;
-    bool set_stands = true;  // nothing but standing is asked of the wheels
+    bool set_stands = true;  // the wheels are asked only to stand still
   };
-  // Of the loop's own commands, as far as the robot may still wait for it where the line was cut:
-  // all of a Drive Direct but its opcode, all ids of a list.
+  // The most that the robot may still wait for of one of the loop's own commands if the line was
+  // cut: all of a Drive Direct except its opcode, or all ids of a list.
   static constexpr std::size_t kLongestOwnRest =
       std::max(oi::kDriveDirectBytes - 1, kSignalsLeftList.size());
-  // Our own work takes microseconds; what takes longer was kept from the processor.
+  // Our own work takes microseconds; if it takes longer, the thread was kept from the processor.
   static constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
-  // `stream` outlives it and keeps its rate. A request must have arrived within `request_lasts`.
+  // `stream` must outlive it and keep its rate. After `request_lasts` a request must have arrived.
   CommandSender(ByteStream& stream, rt::Duration tick, rt::Duration request_lasts);
 
   void set_guard(const GuardMark& guard) { guard_ = guard; }
   GuardMark& guard() CARGOBAY_NONBLOCKING { return guard_; }
-  // Nothing is written any more. What is being written at this moment still goes out.
+  // Nothing more is written. A write in progress still goes out.
   void abandon() CARGOBAY_NONBLOCKING { abandoned_.store(true); }
 
-  // The list for the next tick's frame; `search`: the one that the cause of a lost mode is looked
-  // for in. Once a tick.
+  // The list for the next tick's frame; `search`: the list in which to look for the cause of a lost
+  // mode. Call once a tick.
   FrameList next_list(FrameRotation::Counters counters, std::optional<FrameList> search)
       CARGOBAY_NONBLOCKING;
   FrameRotation& rotation() CARGOBAY_NONBLOCKING { return rotation_; }
-  // Of the ticks since the last frame one may have carried a reading; what never came is missed
-  // late, so the list that it was of may be an older one.
+  // Whether one of the ticks since the last frame may have carried a reading. A frame that never
+  // came is missed late, so it may have been of an older list.
   bool may_have_read(bool never_came) const CARGOBAY_NONBLOCKING {
     return ticks_since_reads_ <= (never_came ? rt::TickClock::kPatience + 1 : 1);
   }
-  // The frame that is here ends a window: those before it did not read the counters.
+  // Whether the present frame ends a window: the frames before it did not read the counters.
   bool ends_window() const CARGOBAY_NONBLOCKING {
     return list_ != FrameList::reading || former_list_ != FrameList::reading;
   }
 
-  // What is seen of the robot's hearing: a good frame, one that is missing, a line that was dead.
+  // Signs of whether the robot hears: a good frame, a missing one, a line that was dead.
   void see(std::optional<FrameList> list) CARGOBAY_NONBLOCKING { hearing_.see(list); }
   void see_missing() CARGOBAY_NONBLOCKING { hearing_.missed(); }
   void doubt_hearing() CARGOBAY_NONBLOCKING { hearing_in_doubt_ = true; }
 
-  // Whether a command now would come too late to be true, after a long one, or might meet the last
-  // one in a tick.
+  // Whether a command sent now would arrive stale, after a long one, or might reach the robot in
+  // the same tick as the last one.
   bool must_withhold(rt::TimePoint now, const TickLedger& ledger) const CARGOBAY_NONBLOCKING;
-  // One write: the command and what else is due. `whole` means that this very command was.
+  // One write: the command and whatever else is due. `whole` means that this command was taken
+  // whole.
   Sent drive(const rt::WheelSpeeds& command, FrameList list, const Moment& moment)
       CARGOBAY_NONBLOCKING;
   // The same without a command for the wheels, of which the robot obeys none now; with the mode, if
-  // it is to be told.
+  // it should be sent.
   Sent keep(FrameList list, std::optional<oi::Mode> mode, const Moment& moment)
       CARGOBAY_NONBLOCKING;
   // What the robot was last told to stream.
   FrameList list() const CARGOBAY_NONBLOCKING { return list_; }
-  // The last drive command that it got whole.
+  // The last drive command that the robot received whole.
   const rt::WheelSpeeds& acting() const CARGOBAY_NONBLOCKING { return acting_; }
 
-  // A command of another thread waits for room.
+  // Whether a command of another thread waits for room.
   bool request_waits() const CARGOBAY_NONBLOCKING { return request_.has_value(); }
   void take_request(const Request& request) CARGOBAY_NONBLOCKING { request_ = request; }
-  // So many bytes of a request go out beside the loop's own commands; for more it has to pause.
+  // How many bytes of a request go out besides the loop's own commands; for more, the loop pauses.
   std::size_t spare_bytes() const CARGOBAY_NONBLOCKING { return line_.spare_bytes; }
-  // Of a command that the robot has got the beginning of.
+  // Bytes still missing of a command whose beginning the robot has received.
   std::size_t owed_bytes() const CARGOBAY_NONBLOCKING { return outgoing_.bytes().size(); }
   int port_error() const CARGOBAY_NONBLOCKING { return port_error_; }
   // The port hung up, with this errno; EBADF if the descriptor is no longer the port's.
   void note_hung_up(int error) CARGOBAY_NONBLOCKING;
 
  private:
-  // What the rate makes of it.
+  // What follows from the rate.
   struct Line {
     rt::Duration tick;
     rt::Duration way_around;  // what lies between port and robot may add, both ways together
-    rt::Duration lead;        // of a command before the frame of its tick: both of them on the wire
+    rt::Duration lead;        // of a command before its tick's frame: both of them on the wire
     rt::Duration byte_time;
     rt::Duration request_lasts;
     std::size_t spare_bytes;
-    std::size_t most_fill;  // zeros in front of a command that leave it in its tick
+    std::size_t most_fill;  // zeros that leave the command after them in its tick
   };
   static Line line_at(std::uint32_t baud, rt::Duration tick, rt::Duration request_lasts);
 
-  // For all that is known.
+  // As far as is known.
   bool hears() const CARGOBAY_NONBLOCKING {
     return !hearing_in_doubt_ && !hearing_.misheard() && !hearing_.deaf();
   }
@@ -134,11 +135,11 @@ class CommandSender {
   GuardMark guard_{};
   FrameRotation rotation_{};
   FrameList list_ = FrameList::reading;
-  FrameList former_list_ = FrameList::reading;  // may still be in a frame on its way
+  FrameList former_list_ = FrameList::reading;  // a frame of it may still be on its way
   int ticks_since_reads_ = 0;                   // since one of the two read the counters
   HearingWatch hearing_{FrameList::reading};
-  bool hearing_in_doubt_ = false;  // the line was dead since it was filled up
-  bool list_in_doubt_ = false;     // filled up, and not told since
+  bool hearing_in_doubt_ = false;  // the line has been dead since the last fill
+  bool list_in_doubt_ = false;     // filled, and no list sent since
   rt::WheelSpeeds acting_{};
   rt::TimePoint last_command_{};
   rt::TimePoint line_free_{};     // after a long command

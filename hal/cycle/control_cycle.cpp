@@ -10,14 +10,14 @@
 namespace cargobay::hal {
 namespace {
 
-// After the last bit of a frame its bytes may be handed over this much later.
+// A frame's bytes may be handed over this long after its last bit.
 constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
 
 rt::Duration tick_of(const CycleParameters& parameters) {
   return rt::Duration{std::llround(parameters.loop.estimator.tick_s * 1e9)};
 }
 
-// So much that it matters in which tick the robot gets the second.
+// Whether the difference is large enough to matter in which tick the robot gets the second.
 bool changes(const rt::WheelSpeeds& before, const rt::WheelSpeeds& after) CARGOBAY_NONBLOCKING {
   constexpr double kLeast = 10.0;  // mm/s: in one tick 0.15 of the counter's millimetres
   return std::abs(after.left_mm_s - before.left_mm_s) > kLeast ||
@@ -78,7 +78,7 @@ ControlCycle::Step ControlCycle::pass_once() CARGOBAY_NONBLOCKING {
   silence_.take_up_announced(now);
   if (woken == ByteStream::Wait::hung_up) return hung_up(0);
 
-  // Also after a time-out: fewer bytes than a frame may be there, and must not stay behind.
+  // After a time-out too: less than a frame may have arrived, and must not be left behind.
   const ByteStream::Transfer transfer = stream_.read(receiver_.room());
   if (transfer.error != 0) return hung_up(transfer.error);
   receiver_.decode(transfer.count, now, [this](const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
@@ -88,8 +88,9 @@ ControlCycle::Step ControlCycle::pass_once() CARGOBAY_NONBLOCKING {
   return now >= silence_.deadline() ? deadline_passed() : Step::on;
 }
 
-// Frames are waited for whole. One that was taken in pieces has a rest, which is fetched by itself:
-// left to wait for a frame's worth of bytes it would come with most of the next, and so for ever.
+// The wait is for whole frames. If a frame was read in part, its rest is fetched on its own: if it
+// had to wait for a frame's worth of bytes, it would come with most of the next frame, and so on
+// for ever.
 rt::TimePoint ControlCycle::wake_time() const CARGOBAY_NONBLOCKING {
   if (receiver_.whole()) return silence_.deadline();
   return std::min(silence_.deadline(), stream_.now() + frame_time_ + kHandOver);
@@ -117,7 +118,8 @@ void ControlCycle::see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING
   if (!change) return;
   if (*change == EventKind::mode_lost) {
     mode_loss_causes_ = mode_watch_.causes();
-    // Asked for before there was anything to rearm. Who asks upon the event comes later.
+    // A request from before there was anything to rearm. One made in response to the event comes
+    // later.
     rearm_requested_.store(false, std::memory_order_relaxed);
   }
   report({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
@@ -138,7 +140,8 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) CARGOBAY_NONBLOCK
   if (ledger_.clock().started()) period = arrival - ledger_.last_arrival();
   account(arrival);
   CycleState state = state_at(arrival);
-  // After a silence the second frame tells how many ticks it was: until then there is no estimate.
+  // Only the second frame after a silence shows how many ticks it was: until then there is no
+  // estimate.
   const bool doubtful =
       mode_watch_.state() == ModeWatch::State::driving && ledger_.clock().in_doubt();
   const Step step = doubtful ? Step::on : answer_in_mode(state);
@@ -150,10 +153,10 @@ ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) CARGOBAY_NONBLOCK
   return step;
 }
 
-// What needs no room on the line is done at once; a command waits for its own frame, and what was
-// asked for after it waits with it.
+// Requests that need no room on the line are done at once; a command waits for its own frame, and
+// later requests wait with it.
 void ControlCycle::take_requests() CARGOBAY_NONBLOCKING {
-  if (requests_.empty()) return;  // which is cheaper to ask than a request to make
+  if (requests_.empty()) return;  // cheaper to check than a Request to make
   Request request;
   for (std::size_t i = 0; i < kMostRequests; ++i) {
     if (sender_.request_waits() || !requests_.pop(request)) return;
@@ -171,7 +174,7 @@ void ControlCycle::take_request(const Request& request) CARGOBAY_NONBLOCKING {
   }
 }
 
-// Books the arrival, and takes loop and odometry to the present tick.
+// Books the arrival, and brings loop and odometry up to the present tick.
 void ControlCycle::account(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   const bool counting = ledger_.clock().started();
   const TickLedger::Account account =
@@ -188,7 +191,7 @@ void ControlCycle::account(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   if (silence_.end(ledger_.deadline())) report(EventKind::silence_ended);
 }
 
-// The ticks whose frames are not here, and those that were taken for lost and are.
+// Steps through the ticks whose frames have not come, and those taken for lost that have.
 void ControlCycle::step_through(const TickLedger::Account& account) CARGOBAY_NONBLOCKING {
   if (account.bytes_missing) sender_.doubt_hearing();
   if (account.incomplete) sender_.see_missing();
@@ -198,14 +201,14 @@ void ControlCycle::step_through(const TickLedger::Account& account) CARGOBAY_NON
     report({.what = EventKind::frames_lost, .frames = static_cast<std::uint32_t>(account.lost)},
            ledger_.clock().ticks());
   }
-  // Of a window, a frame that is missing when it ends may have taken most with it. One that was
-  // missing on the way, and came, did not.
+  // A frame that is missing when a window ends may have taken most of the window's counts with it.
+  // A frame that was missing earlier, but came, has not.
   const rt::TickClock& clock = ledger_.clock();
   const bool may_lack = clock.in_doubt() || (sender_.ends_window() && clock.missing() > 0);
   if (may_lack && receiver_.any_reads()) loop_.doubt_next_reading();
   loop_.came_after_all(account.stepped_early);
   if (ledger_.late()) ++counters_.overruns.wait;
-  if (!clock.in_phase()) loop_.sent_late();  // what was sent before, as shows now
+  if (!clock.in_phase()) loop_.sent_late();  // this concerns what was sent before
 }
 
 CycleState ControlCycle::state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING {
@@ -231,7 +234,7 @@ ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) CARGOBAY_NONB
   return hold();
 }
 
-// Closes the loop on this tick, with one write.
+// Closes the loop for this tick, with one write.
 ControlCycle::Step ControlCycle::control(CycleState& state) CARGOBAY_NONBLOCKING {
   const rt::TimePoint read = stream_.now();
   if (read - state.arrival > CommandSender::kOwnWork) ++counters_.overruns.read;
@@ -262,8 +265,8 @@ ControlCycle::Step ControlCycle::control(CycleState& state) CARGOBAY_NONBLOCKING
   return Step::on;
 }
 
-// The robot is not in its mode: it obeys no wheel command, and what was asked of the wheels counts
-// no more. Only lists are sent, and the mode if somebody asked for it.
+// The robot is not in its mode: it obeys no wheel command, and speeds asked for earlier no longer
+// count. Sends only lists, and the mode if that was requested.
 ControlCycle::Step ControlCycle::hold() CARGOBAY_NONBLOCKING {
   loop_.stop();
   setpoint_.drop();
@@ -280,7 +283,7 @@ ControlCycle::Step ControlCycle::hold() CARGOBAY_NONBLOCKING {
 
 FrameList ControlCycle::next_list() CARGOBAY_NONBLOCKING {
   using Counters = FrameRotation::Counters;
-  // A robot that loses the remainder is read seldom anyway; one that stands loses nothing.
+  // A robot that loses the remainder is read rarely anyway; one that stands loses nothing.
   const bool settled =
       loop_.belief() == rt::RemainderBelief::carried || loop_.command() == rt::WheelSpeeds{};
   const Counters counters = !loop_.next_reads() ? Counters::not_wanted
@@ -317,9 +320,9 @@ bool ControlCycle::setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   return age != Setpoint::Age::alive;
 }
 
-// The deadline passed without a frame. What was last commanded goes on acting; nothing is sent, so
-// that no tick sees two commands when the frame comes after all. Only a longer silence is answered,
-// once, by a stop: from there the wheels start again.
+// The deadline passed without a frame. The last command keeps acting; nothing is sent, so that no
+// tick gets two commands if the frame comes after all. Only a longer silence is answered, once,
+// with a stop: from there the wheels start again.
 ControlCycle::Step ControlCycle::deadline_passed() CARGOBAY_NONBLOCKING {
   ++counters_.frames.late;
   const rt::TimePoint now = stream_.now();
@@ -331,7 +334,7 @@ ControlCycle::Step ControlCycle::deadline_passed() CARGOBAY_NONBLOCKING {
   return silence_.owes_stop() ? send_owed_stop(now) : Step::on;
 }
 
-// Up to now the last command was obeyed; from now on none is.
+// We assume that the last command was obeyed until now, and that none is from now on.
 void ControlCycle::stop_in_silence(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   silence_.owe_stop(mode_watch_.state() == ModeWatch::State::driving);
   const int foreseen = ledger_.foresee(now);
@@ -350,7 +353,7 @@ ControlCycle::Step ControlCycle::send_owed_stop(rt::TimePoint now) CARGOBAY_NONB
 
 void ControlCycle::stop_wheels() CARGOBAY_NONBLOCKING {
   if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;  // farewell() tries
-  // In Passive it would not obey, and was reported to spoil the next start.
+  // In Passive the robot would not obey, and the command is reported to spoil the next start.
   const bool obeys = mode_watch_.mode() == oi::Mode::safe || mode_watch_.mode() == oi::Mode::full;
   if (mode_watch_.state() != ModeWatch::State::driving && !obeys) return;
   // What fails here, farewell() tries again.

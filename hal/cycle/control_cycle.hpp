@@ -1,8 +1,8 @@
 // The real-time path: woken by a frame, it estimates, controls and answers with DriveDirect, in one
-// pass on one thread. One wait, one read and one write a frame in the steady state; no heap, no
+// pass on one thread. One wait, one read and one write per frame in the steady state; no heap, no
 // lock, no page fault.
 //
-// This class leads through a pass. Its parts do the work: FrameReceiver takes frames from bytes,
+// This class runs the pass; its parts do the work: FrameReceiver extracts frames from bytes,
 // TickLedger counts ticks, Setpoint and UserControl say what is wanted, CommandSender sends.
 #pragma once
 
@@ -39,20 +39,20 @@ class ControlCycle {
   static constexpr std::size_t kHistory = CycleOutlets::kHistory;
   static constexpr std::size_t kLongestOwnRest = CommandSender::kLongestOwnRest;
 
-  // `stream` outlives the cycle and keeps its rate; the robot on it streams frame lists already
+  // `stream` must outlive the cycle and keep its rate; its robot must already stream frame lists
   // (hal/bring_up/bring_up.hpp).
   ControlCycle(ByteStream& stream, const Parameters& parameters);
 
-  // To be set before run(). Without one, the latest setpoint is followed.
+  // Call before run(). Without one, the latest setpoint is followed.
   void set_control(const ControlFunction& control) { control_.set(control); }
-  // To be set before run().
+  // Call before run().
   void set_observer(const StateObserver& observer) { observer_ = observer; }
 
-  // To be set before run(); what the mark is of outlives it. Without one nobody watches.
+  // Call before run(); the mark's guard must outlive the cycle. Without a mark, no guard watches.
   void set_guard(const GuardMark& guard) { sender_.set_guard(guard); }
 
   // Runs until something ends it. The last thing it sends, if the robot still listens, is
-  // DriveDirect 0 0; the mode stays as it is. Once only.
+  // DriveDirect 0 0; the mode does not change. Call only once.
   CycleEnd run() CARGOBAY_NONBLOCKING;
   // The same in steps, for a stream in virtual time: begin(), then pass() until it is false, then
   // finish().
@@ -60,12 +60,12 @@ class ControlCycle {
   [[nodiscard]] bool pass() CARGOBAY_NONBLOCKING;
   CycleEnd finish() CARGOBAY_NONBLOCKING;
 
-  // From any thread, also from a signal handler.
+  // From any thread, and from a signal handler.
   void request_stop() CARGOBAY_NONBLOCKING {
     stop_requested_.store(true, std::memory_order_relaxed);
   }
-  // From any thread: nothing is written any more, whatever the control thread does when it comes
-  // back from where it hangs. What it writes at this very moment still goes out.
+  // From any thread: nothing more is written, whatever a hung control thread does if it resumes. A
+  // write in progress still goes out.
   void abandon() CARGOBAY_NONBLOCKING { sender_.abandon(); }
   // From any thread: when the control thread last woke; nothing before the first time.
   std::optional<rt::TimePoint> last_pass() const CARGOBAY_NONBLOCKING {
@@ -73,29 +73,31 @@ class ControlCycle {
     if (passed_ns == 0) return std::nullopt;
     return rt::TimePoint{rt::Duration{passed_ns}};
   }
-  // From any thread. False for speeds that are no number or beyond the robot's range. A setpoint
-  // lapses after setpoint_lapse, and when the robot loses its mode; then the wheels stop, and stay
-  // so until a new one is set.
+  // From any thread. False for speeds that are not numbers or beyond the robot's range. A setpoint
+  // lapses after setpoint_lapse, and when the robot loses its mode; then the wheels stop until a
+  // new one is set.
   [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
     return within_range(speeds) && setpoint_.put(speeds);
   }
 
-  // From any thread: for so long from the next pass on the robot's silence is no lost link, as
-  // while it plays a script that waits. The wheels get their stop all the same, should it listen.
+  // From any thread: for `duration` from the next pass on, silence does not mean a lost link, for
+  // example while the robot plays a script that waits. The wheels get their stop all the same, in
+  // case the robot listens.
   void expect_silence(rt::Duration duration) CARGOBAY_NONBLOCKING { silence_.announce(duration); }
 
   // From any thread. If the mode was lost and the cycle holds: tells the robot to go back to it,
-  // once, and drives on when it has. What comes of it is an event. Otherwise nothing happens.
+  // once, and drives again when it has. The outcome is reported as an event. Otherwise nothing
+  // happens.
   void request_rearm() CARGOBAY_NONBLOCKING {
     rearm_requested_.store(true, std::memory_order_relaxed);
   }
 
-  // From one other thread. False if too many wait already. A command goes out after the loop's
-  // own, one a frame, as far as the robot's mode allows it then.
+  // From one other thread. False if too many requests are waiting. A command goes out after the
+  // loop's own, one per frame, as far as the robot's mode allows it then.
   [[nodiscard]] bool request(const Request& request) CARGOBAY_NONBLOCKING {
     return requests_.push(request);
   }
-  // So many bytes of a request go out beside the loop's own commands; for more it has to pause.
+  // How many bytes of a request go out besides the loop's own commands; for more, the loop pauses.
   std::size_t spare_bytes() const CARGOBAY_NONBLOCKING { return sender_.spare_bytes(); }
 
   // From any thread.
@@ -104,17 +106,17 @@ class ControlCycle {
   bool next_state(CycleState& state) CARGOBAY_NONBLOCKING { return outlets_.history.pop(state); }
   // The same for the events.
   bool next_event(Event& event) CARGOBAY_NONBLOCKING { return outlets_.events.pop(event); }
-  // Events that found no room, because nobody took them. From any thread.
+  // Events dropped for want of room, because nothing took them. From any thread.
   std::uint64_t events_dropped() const CARGOBAY_NONBLOCKING { return outlets_.events.dropped(); }
 
-  // What each packet said last. From any thread.
+  // The last value of each packet. From any thread.
   SensorReadings sensors() const CARGOBAY_NONBLOCKING { return outlets_.board.readings(); }
   // From any thread.
   CycleCounters counters() const CARGOBAY_NONBLOCKING {
     return outlets_.counters.get().value_or(CycleCounters{});
   }
 
-  // While it runs, from another thread, only a snapshot() of these.
+  // While it runs, other threads may only take a snapshot() of these.
   const rt::Histogram& period_ns() const { return outlets_.period_ns; }
   const rt::Histogram& frame_to_command_ns() const { return outlets_.frame_to_command_ns; }
   // After run() has returned.
@@ -126,12 +128,12 @@ class ControlCycle {
   const PhaseOverruns& overruns() const { return counters_.overruns; }
   // Answers of the control function that no robot can follow.
   std::uint64_t refused_controls() const { return counters_.refused; }
-  // Bytes of a command that the robot has got the beginning of.
+  // Bytes still missing of a command whose beginning the robot has received.
   std::size_t owed_bytes() const { return sender_.owed_bytes(); }
-  // The errno of what failed if the port hung up; EBADF if the descriptor is no longer the port's;
-  // 0 if nothing said more.
+  // If the port hung up, the errno of what failed; EBADF if the descriptor is no longer the port's;
+  // 0 if no call gave a reason.
   int port_error() const { return sender_.port_error(); }
-  // Why the mode was lost, the last time that it was; none if no sensor said.
+  // Why the mode was last lost; none if no sensor showed it.
   Hazards mode_loss_causes() const { return mode_loss_causes_; }
 
  private:
@@ -200,7 +202,8 @@ class ControlCycle {
   std::atomic<bool> rearm_requested_{false};
   std::atomic<std::int64_t> passed_ns_{0};
 
-  // The large ones, after all that each pass looks at: three pages of memory instead of seven.
+  // The large ones last, after everything that each pass looks at: three pages of memory instead of
+  // seven.
   FrameReceiver receiver_;
   RequestRing requests_{};
   CycleOutlets outlets_{};

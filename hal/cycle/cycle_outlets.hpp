@@ -15,7 +15,7 @@
 
 namespace cargobay::hal {
 
-// Written by the control thread, without waiting; each member says who may read it.
+// Written by the control thread, without waiting; a comment on each member says who may read it.
 struct CycleOutlets {
   static constexpr std::size_t kHistory = 4096;  // about a minute of states
 

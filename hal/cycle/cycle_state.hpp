@@ -1,5 +1,5 @@
-// What a control cycle says of itself: why it ended, the state of each tick, what it counts; and
-// the functions that it calls.
+// What a control cycle reports about itself: why it ended, the state of each tick, what it counts;
+// and the functions that it calls.
 #pragma once
 
 #include <cstdint>
@@ -24,14 +24,14 @@ enum class CycleEnd : std::uint8_t {
   hung_up,          // a call on the port failed: it is gone, or no longer ours: port_error()
   guarded,          // the cycle stood still for so long that its guard stopped the robot
   control_overrun,  // the control function was over its budget too many times in a row
-  guard_lost,       // the guard is dead or suspended, and nobody would stop the robot in our place
+  guard_lost,       // the guard is dead or suspended: nothing would stop the robot in our place
 };
 
 // One tick of the loop, as others see it.
 struct CycleState {
   std::int64_t tick = 0;     // of the robot, since the first frame
   rt::TimePoint arrival{};   // of the frame, on the stream's clock
-  rt::WheelSpeeds target{};  // as asked for; 0 where nothing valid was
+  rt::WheelSpeeds target{};  // as asked for; 0 if nothing valid was
   rt::WheelSpeeds set{};     // after the acceleration limit
   rt::WheelSpeeds estimate{};
   rt::WheelSpeeds command{};  // as sent
@@ -39,7 +39,7 @@ struct CycleState {
   oi::Mode mode = oi::Mode::off;
   bool setpoint_lapsed = false;
   Hazards hazards{};  // in this frame, whether or not they stop the robot
-  // What the robot said of its counters, if this frame reads them.
+  // What the robot reported of its counters, if this frame reads them.
   std::optional<rt::WheelEstimator::Reading> reading{};
   std::int32_t battery_mv = 0;  // 0 until the first frame that has it
   Bumps bumps{};                // as in the last frame that has them
@@ -48,8 +48,9 @@ struct CycleState {
   rt::PoseCovariance pose_covariance{};
 };
 
-// After the first frame each tick of the robot is counted once: good, bad or lost. What may still
-// be on its way when the cycle ends is not counted; when the link is lost, nothing is.
+// After the first frame, each tick of the robot is counted once: good, bad or lost. Frames that may
+// still be in flight when the cycle ends are not counted. After a lost link none are in flight, so
+// every frame that was due is counted.
 struct FrameCounters {
   std::uint64_t good = 0;
   std::uint64_t bad = 0;   // damaged on the way
@@ -57,10 +58,10 @@ struct FrameCounters {
   std::uint64_t late = 0;  // deadlines that passed without a frame
 };
 
-// How often a phase of the cycle took longer than it may. Each is counted for itself.
+// How often a phase of the cycle took longer than allowed. Each phase is counted separately.
 struct PhaseOverruns {
-  std::uint64_t wait = 0;   // the frame was here more than late_margin after its time
-  std::uint64_t read = 0;   // taking and understanding it: 1 ms
+  std::uint64_t wait = 0;   // the frame arrived more than late_margin after its time
+  std::uint64_t read = 0;   // reading and decoding it: 1 ms
   std::uint64_t user = 0;   // the control function: control_budget
   std::uint64_t write = 0;  // control and sending: 1 ms
 };
@@ -74,22 +75,22 @@ struct CycleCounters {
   std::uint64_t refused = 0;   // answers of the control function that no robot can follow
 };
 
-// Called once a frame on the control thread, between estimate and command: returns the wheel speeds
-// wanted, each within -500 to 500 mm/s; for others the wheels stop, and they are counted. It must
-// not block, lock, allocate or throw. `seconds` is robot time since the first frame. While the
-// robot has lost its mode it is not called.
+// Called once per frame on the control thread, between estimate and command: returns the wanted
+// wheel speeds, each within -500 to 500 mm/s; for any others the wheels stop, and the answer is
+// counted. It must not block, lock, allocate or throw. `seconds` is robot time since the first
+// frame. It is not called while the robot has lost its mode.
 struct ControlFunction {
   rt::WheelSpeeds (*function)(void* context, const CycleState& state, double seconds)
       CARGOBAY_NONBLOCKING = nullptr;
-  void* context = nullptr;  // outlives the cycle
+  void* context = nullptr;  // must outlive the cycle
 };
 
-// Called once a frame on the control thread, after the command, with all that became of the tick.
+// Called once per frame on the control thread, after the command, with everything about the tick.
 // The rules are those of a ControlFunction.
 struct StateObserver {
   void (*function)(void* context, const CycleState& state) CARGOBAY_NONBLOCKING = nullptr;
-  void* context = nullptr;  // outlives the cycle
-  // Of each request, when the cycle takes it up; may be null.
+  void* context = nullptr;  // must outlive the cycle
+  // Called for each request when the cycle takes it up; may be null.
   void (*request)(void* context, const Request& request) CARGOBAY_NONBLOCKING = nullptr;
 };
 

@@ -1,4 +1,4 @@
-// The bytes that a pass took from the line, and the frames in them.
+// The bytes that a pass reads from the line, and the frames in them.
 #pragma once
 
 #include <array>
@@ -23,18 +23,18 @@ class FrameReceiver {
  public:
   static constexpr std::size_t kBytes = 1024;
   using Reading = std::optional<rt::WheelEstimator::Reading>;
-  // One entry a frame, of at least 5 bytes: what it says of the counters.
+  // One entry per frame, of at least 5 bytes: what it says about the counters.
   using Readings = oi::FixedList<Reading, kBytes / 4>;
 
   explicit FrameReceiver(rt::Duration tick) : quiet_{kQuietTicks * tick} {}
 
-  // Waiting begins.
+  // Starts waiting.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_bytes_ = now; }
-  // For the next read.
+  // Where to put the next read.
   std::span<std::uint8_t> room() CARGOBAY_NONBLOCKING { return bytes_; }
 
-  // The first `count` bytes of room() have arrived. Calls `see(values)` for each good frame. When
-  // the line has been quiet, what looked like the beginning of a frame will not be finished, and
+  // The first `count` bytes of room() have arrived. Calls `see(values)` for each good frame. Once
+  // the line has been quiet, what looked like the beginning of a frame will not be completed, and
   // may have hidden a whole one.
   template <typename See>
   void decode(std::size_t count, rt::TimePoint now, const See& see) CARGOBAY_NONBLOCKING {
@@ -56,14 +56,14 @@ class FrameReceiver {
   }
   // What the last frame says.
   const oi::SensorValues& values() const CARGOBAY_NONBLOCKING { return values_; }
-  // The list that it is of; nothing for a frame that nobody asked for: a command has no checksum,
+  // The list of that frame; nothing for a frame that was not requested: a command has no checksum,
   // and one damaged on its way may have asked for any packets.
   std::optional<FrameList> list() const CARGOBAY_NONBLOCKING {
     if (decoder_.frame().size() != kFrameBytes) return std::nullopt;
     return list_of(values_);
   }
 
-  // Candidates that were no frames, since this was last asked.
+  // Candidates that were not frames, since the last call.
   std::uint64_t take_corrupt() CARGOBAY_NONBLOCKING {
     return std::exchange(corrupt_, std::uint64_t{0});
   }
@@ -76,7 +76,7 @@ class FrameReceiver {
   }
 
  private:
-  // A frame's bytes may come in two pieces, a USB adapter's 16 ms apart. After so many ticks
+  // A frame's bytes may come in two pieces, from a USB adapter 16 ms apart. After this many ticks
   // nothing more comes.
   static constexpr int kQuietTicks = 2;
 
@@ -111,7 +111,7 @@ class FrameReceiver {
   std::uint64_t corrupt_ = 0;
   rt::Duration quiet_;
   rt::TimePoint last_bytes_{};
-  // The large ones, behind all that each pass looks at.
+  // The large ones last, after everything that each pass looks at.
   std::array<std::uint8_t, kBytes> bytes_{};
   Readings readings_{};
 };

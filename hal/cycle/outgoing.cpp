@@ -93,7 +93,7 @@ void Outgoing::note(const Piece& piece, Taken& taken) CARGOBAY_NONBLOCKING {
   }
 }
 
-// Leaves of all only what is behind `from` of this piece.
+// Keeps only what comes after `from` in this piece.
 void Outgoing::keep(Piece piece, std::size_t from) CARGOBAY_NONBLOCKING {
   const auto old = bytes_;
   clear();

@@ -1,8 +1,8 @@
-// The commands of one write, and what the port left of one before.
+// The commands of one write, and what the port left of the previous one.
 //
-// A port whose queue is full takes a part of what it is given. If that ends inside a command, the
-// robot waits for the rest, and takes for it whatever comes next: so the rest comes next. Commands
-// that were not begun are forgotten, for newer ones take their place.
+// A port whose queue is full takes only part of what it is given. If that part ends inside a
+// command, the robot waits for the rest and takes whatever comes next for it: so the rest comes
+// next. Commands that were not begun are forgotten, since newer ones replace them.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace cargobay::hal {
 // One thread; no allocation.
 class Outgoing {
  public:
-  // What reached the robot whole: of each kind the last.
+  // What reached the robot whole; of each kind, the last.
   struct Taken {
     bool drive = false;
     rt::WheelSpeeds speeds{};
@@ -36,8 +36,8 @@ class Outgoing {
   // DriveDirect in whole mm/s, within the robot's range.
   void add_drive(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
   void add_list(FrameList list) CARGOBAY_NONBLOCKING;
-  // Completes whatever command the robot may have got the beginning of: 0 is no speed where it is
-  // data, and no command where it is an opcode. At most kMostFill.
+  // Completes whatever command the robot may have received the beginning of: as data, 0 is no
+  // speed; as an opcode, it is no command. At most kMostFill.
   static constexpr std::size_t kMostFill = 160;
   void add_fill(std::size_t zeros) CARGOBAY_NONBLOCKING;
   // Safe or Full.
@@ -45,13 +45,13 @@ class Outgoing {
   // A whole command, as encoded; at most Request::kMostBytes.
   void add_request(std::span<const std::uint8_t> command) CARGOBAY_NONBLOCKING;
 
-  // All of it, the rest of the former write first.
+  // All of it, the rest of the previous write first.
   std::span<const std::uint8_t> bytes() const CARGOBAY_NONBLOCKING { return bytes_; }
   bool empty() const CARGOBAY_NONBLOCKING { return bytes_.empty(); }
   // Whether a DriveDirect is in it, or the rest of one.
   bool drives() const CARGOBAY_NONBLOCKING;
 
-  // The port took the first `count` bytes. Only the rest of a command that it took in part is left.
+  // The port took the first `count` bytes. Keeps only the rest of a command that it took in part.
   Taken took(std::size_t count) CARGOBAY_NONBLOCKING;
 
  private:

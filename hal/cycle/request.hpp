@@ -1,5 +1,5 @@
-// What other threads ask of the control cycle, beside the speed of the wheels: it waits in a ring,
-// and the cycle does it in one of its next frames.
+// What other threads ask of the control cycle, besides wheel speeds: it waits in a ring, and the
+// cycle does it in one of its next frames.
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@ struct Request {
     command,  // `bytes`: one whole command that leaves the loop alone
     stream,   // `extras`: these from now on, no others
     look,     // `extras`: one frame of each
-    pose,     // `pose`: the odometry is there
+    pose,     // `pose`: where the odometry continues from
   };
   // A script is the longest command.
   static constexpr std::size_t kMostBytes = 2 + oi::kMaxScriptBytes;
 
   Kind kind = Kind::command;
-  // A command that is too long to go beside the loop's own, while the wheels turn.
+  // What to do with a command too long to go out besides the loop's own while the wheels turn.
   enum class WhenLong : std::uint8_t {
     wait,   // until they stand
-    pause,  // the loop's commands are left out meanwhile: the wheels turn on as they do
+    pause,  // the loop's commands are left out meanwhile: the wheels keep turning as they are
   };
   WhenLong when_long = WhenLong::wait;
   ExtraLists extras{};

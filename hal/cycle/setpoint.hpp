@@ -1,5 +1,5 @@
-// The wheel speeds that were last asked for, and for how long they count: a program that hangs must
-// not leave its robot driving.
+// The wheel speeds last asked for, and how long they count: a program that hangs must not leave its
+// robot driving.
 #pragma once
 
 #include "rt/clock.hpp"
@@ -9,24 +9,24 @@
 
 namespace cargobay::hal {
 
-// put() from any thread, all else on the control thread. No allocation.
+// put() from any thread, everything else on the control thread. No allocation.
 class Setpoint {
  public:
   enum class Age : unsigned char {
     alive,
-    lapses,  // with this call
+    lapses,  // at this call
     lapsed,  // or never set
   };
 
   // A setpoint counts for `lapse` after the tick that first sees it.
   explicit Setpoint(rt::Duration lapse) : lapse_{lapse} {}
 
-  // False, and nothing changed, for speeds that the cell refuses.
+  // False, with nothing changed, for speeds that the cell refuses.
   [[nodiscard]] bool put(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
     return cell_.put(speeds);
   }
 
-  // Once a tick. One that has lapsed stays so until the next put().
+  // Call once a tick. A setpoint that has lapsed stays lapsed until the next put().
   Age see(rt::TimePoint now) CARGOBAY_NONBLOCKING {
     const std::uint32_t serial = cell_.get().serial;
     if (serial != serial_) {
@@ -39,9 +39,9 @@ class Setpoint {
     alive_ = false;
     return Age::lapses;
   }
-  // While it is alive.
+  // Meaningful while it is alive.
   rt::WheelSpeeds speeds() const CARGOBAY_NONBLOCKING { return cell_.get().speeds; }
-  // What was set by now counts no longer.
+  // Whatever has been set so far no longer counts.
   void drop() CARGOBAY_NONBLOCKING {
     serial_ = cell_.get().serial;
     alive_ = false;

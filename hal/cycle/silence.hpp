@@ -9,7 +9,7 @@
 
 namespace cargobay::hal {
 
-// announce() from any thread, all else on the control thread. No allocation.
+// announce() from any thread, everything else on the control thread. No allocation.
 class Silence {
  public:
   struct Limits {
@@ -19,28 +19,29 @@ class Silence {
   };
   enum class Due : std::uint8_t {
     nothing,
-    stop,      // of the wheels: now, and once in a silence
-    link_lost  // the robot does not come back
+    stop,      // stop the wheels: now, once per silence
+    link_lost  // the robot is not coming back
   };
 
   explicit Silence(const Limits& limits) : limits_{limits} {}
 
-  // For so long from the next pass on, silence is no lost link. The wheels get their stop.
+  // For `duration` from the next pass on, silence does not mean a lost link. The wheels get their
+  // stop.
   void announce(rt::Duration duration) CARGOBAY_NONBLOCKING {
-    // Relaxed: the word carries all there is to know, and only the control thread looks at a clock.
+    // Relaxed: the word is all there is to know, and only the control thread looks at a clock.
     announced_.store(duration, std::memory_order_relaxed);
   }
-  // Each pass.
+  // Call in each pass.
   void take_up_announced(rt::TimePoint now) CARGOBAY_NONBLOCKING {
     if (announced_.load(std::memory_order_relaxed) == kNoneAnnounced) return;
     expected_until_ = now + announced_.exchange(kNoneAnnounced, std::memory_order_relaxed);
   }
 
-  // Waiting begins; nothing was heard yet.
+  // Starts waiting; nothing has been heard yet.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { deadline_ = now + limits_.stop_after; }
   rt::TimePoint deadline() const CARGOBAY_NONBLOCKING { return deadline_; }
 
-  // A frame is here, and the next is due by `deadline`. Returns whether the wheels were stopped
+  // A frame has arrived, and the next is due by `deadline`. Returns whether the wheels were stopped
   // meanwhile.
   bool end(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
     const bool stopped = stopped_;
@@ -49,7 +50,7 @@ class Silence {
     stop_owed_ = false;
     return stopped;
   }
-  // The deadline is over; the next is a tick later.
+  // The deadline has passed; the next is a tick later.
   Due deadline_passed(rt::TimePoint now, rt::TimePoint last_arrival) CARGOBAY_NONBLOCKING {
     deadline_ += limits_.tick;
     const rt::Duration silence = now - last_arrival;
@@ -68,7 +69,7 @@ class Silence {
 
   Limits limits_;
   rt::TimePoint deadline_{};
-  rt::TimePoint expected_until_{};  // the end of a silence that was announced
+  rt::TimePoint expected_until_{};  // the end of an announced silence
   bool stopped_ = false;
   bool stop_owed_ = false;
   std::atomic<rt::Duration> announced_{kNoneAnnounced};

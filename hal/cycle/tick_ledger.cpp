@@ -8,7 +8,7 @@
 namespace cargobay::hal {
 namespace {
 
-// Bytes of a frame that noise left a few less of, or a few more.
+// Bytes of a frame that noise has shortened or lengthened by a few.
 constexpr std::size_t kLeastOfAFrame = kFrameBytes - 2;
 constexpr std::size_t kMostOfAFrame = kFrameBytes + 2;
 
@@ -20,11 +20,11 @@ TickLedger::Account TickLedger::book(const Arrival& arrival) CARGOBAY_NONBLOCKIN
   const std::uint64_t damaged = newly_damaged(arrival, account);
   if (!clock_.started()) {
     late_ = arrival.frames > 1;  // they had been waiting, and more may be
-    clock_.start(arrival.time);  // damage was to whatever was under way when we began to listen
+    clock_.start(arrival.time);  // the damage was to whatever was in flight when we began to listen
   } else {
     damaged_ += damaged;
     settle(arrival, account);
-    // Of several together all but the last are a tick late at least.
+    // Of several together, all but the last are at least a tick late.
     late_ = arrival.frames > 1 || arrival.time - clock_.due_by(arrival.time) > late_margin_;
   }
   frames_ = arrival.frames;
@@ -33,7 +33,7 @@ TickLedger::Account TickLedger::book(const Arrival& arrival) CARGOBAY_NONBLOCKIN
   return account;
 }
 
-// The ticks since the last arrival: their frames are here, bad, lost or still to come.
+// The ticks since the last arrival: their frames have arrived, are bad, lost or still to come.
 void TickLedger::settle(const Arrival& arrival, Account& account) CARGOBAY_NONBLOCKING {
   const std::int64_t before = clock_.ticks() + clock_.missing();
   account.lost = clock_.arrived(arrival.time, arrival.frames, damaged_);
@@ -51,15 +51,15 @@ void TickLedger::settle(const Arrival& arrival, Account& account) CARGOBAY_NONBL
   if (account.lost < 0) take_back(static_cast<std::uint64_t>(-account.lost));
   account.to_step = std::max(account.lost - foreseen_, 0);
   foreseen_ -= given_up - account.to_step;
-  // What was foreseen and is not lost is here.
+  // Frames that were foreseen but are not lost have arrived.
   if (!clock_.in_doubt()) account.stepped_early = std::exchange(foreseen_, 0);
   // One frame may be damaged in several places, and noise between two frames damages none.
   damaged_ = clock_.missing() == 0 ? 0 : damaged_ - bad;
 }
 
-// Frames that were seen to be no good since the last one that was. One whose header is damaged
-// shows by its bytes alone, as long as they are no more than those of the frames that are missing:
-// a robot says other things too, and if nobody asked it to it may have misheard a command.
+// Bad frames seen since the last good one. A frame whose header is damaged shows only by its bytes,
+// as long as these are no more than the missing frames have: a robot sends other things too, and if
+// it was not asked to, it may have misheard a command.
 std::uint64_t TickLedger::newly_damaged(const Arrival& arrival, Account& account)
     CARGOBAY_NONBLOCKING {
   const std::uint64_t skipped =
@@ -71,14 +71,15 @@ std::uint64_t TickLedger::newly_damaged(const Arrival& arrival, Account& account
                            : std::max<std::uint64_t>(arrival.corrupt, skipped / kLeastOfAFrame);
 }
 
-// Frames that were given up are here. Of the bad ones, what looked like their remains was noise.
+// Frames that were given up have arrived. For those counted as bad, what looked like their remains
+// was noise.
 void TickLedger::take_back(std::uint64_t frames) CARGOBAY_NONBLOCKING {
   const std::uint64_t lost = std::min(frames, counters_.lost);
   counters_.lost -= lost;
   counters_.bad -= frames - lost;
 }
 
-// Of the robot, that passed since the last frame. For a deadline that is over.
+// Ticks of the robot since the last frame. Call after a deadline has passed.
 std::int64_t TickLedger::silent_ticks(rt::TimePoint now) const CARGOBAY_NONBLOCKING {
   return (now - clock_.expected()) / tick_ + 1;
 }

@@ -11,22 +11,22 @@
 
 namespace cargobay::hal {
 
-// One thread; no allocation. The counters are the owner's, who shows them to others.
+// One thread; no allocation. The counters belong to the owner, which publishes them.
 class TickLedger {
  public:
   // What a pass took from the line: `frames` (1 or more) good ones.
   struct Arrival {
     rt::TimePoint time{};
     int frames = 0;
-    std::uint64_t corrupt = 0;  // candidates that were no frames, since the last arrival
+    std::uint64_t corrupt = 0;  // candidates that were not frames, since the last arrival
     const oi::StreamDecoder::Counters& bytes;
   };
-  // What the rest of the cycle has to know of it.
+  // What the rest of the cycle must know about it.
   struct Account {
-    int lost = 0;           // ticks whose frames are given up; below 0: so many were, and are here
-    int to_step = 0;        // lost ticks that the loop has not gone through
-    int stepped_early = 0;  // ticks that it went through in a silence, and whose frames are here
-    bool never_came = false;  // one of the lost, as far as its bytes show
+    int lost = 0;             // ticks whose frames are given up; negative: how many of those came
+    int to_step = 0;          // lost ticks that the loop has not gone through
+    int stepped_early = 0;    // ticks stepped through in a silence, and whose frames have come
+    bool never_came = false;  // one of the lost did not, going by the bytes
     bool says_more = false;   // more bytes than frames have: the robot may have misheard a command
     bool bytes_missing = false;  // the line was dead for a while, or the robot silent
     bool incomplete = false;     // a frame is lost, or may still come
@@ -35,14 +35,14 @@ class TickLedger {
   TickLedger(rt::Duration tick, rt::Duration late_margin, FrameCounters& counters)
       : counters_{counters}, clock_{tick}, tick_{tick}, late_margin_{late_margin} {}
 
-  // Waiting begins.
+  // Starts waiting.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_arrival_ = now; }
 
-  // Books an arrival. With the first one counting starts.
+  // Books an arrival. The first one starts the counting.
   Account book(const Arrival& arrival) CARGOBAY_NONBLOCKING;
 
-  // A silence: from now on the robot is taken to obey nothing. How many of its ticks that makes, 0
-  // before the first frame.
+  // A silence: from now on the robot is assumed to obey nothing. Returns how many of its ticks that
+  // makes, 0 before the first frame.
   int foresee(rt::TimePoint now) CARGOBAY_NONBLOCKING;
   // The link is lost, and with it every frame that was due by now.
   void close(rt::TimePoint now) CARGOBAY_NONBLOCKING;
@@ -51,9 +51,9 @@ class TickLedger {
   rt::TimePoint last_arrival() const CARGOBAY_NONBLOCKING { return last_arrival_; }
   // The deadline of the next frame.
   rt::TimePoint deadline() const CARGOBAY_NONBLOCKING { return clock_.expected() + late_margin_; }
-  // Of the frame that was booked last: behind its time by more than the margin, or with others.
+  // Whether the frame booked last was late by more than the margin, or came with others.
   bool late() const CARGOBAY_NONBLOCKING { return late_; }
-  // The same frame: alone, and not more than `margin` behind its time, for certain.
+  // Whether the same frame came alone and was certainly no more than `margin` late.
   bool on_time(rt::Duration margin) const CARGOBAY_NONBLOCKING {
     return clock_.knows_phase() && frames_ == 1 &&
            last_arrival_ - clock_.due_by(last_arrival_ + margin) <= margin;
@@ -70,7 +70,7 @@ class TickLedger {
   rt::Duration tick_;
   rt::Duration late_margin_;
   rt::TimePoint last_arrival_{};
-  std::uint64_t bytes_ = 0;    // received by then
+  std::uint64_t bytes_ = 0;    // received up to then
   std::uint64_t skipped_ = 0;  // of these, in no frame
   std::uint64_t damaged_ = 0;  // bad frames that the clock has not missed yet
   int frames_ = 0;             // of the last arrival

@@ -1,4 +1,4 @@
-// The control function of the program that drives: what it answers, and how long that takes.
+// The control function of the driving program: its answers, and how long they take.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace cargobay::hal {
 
-// False also for what is no number.
+// False also for speeds that are not numbers.
 inline bool within_range(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   constexpr double kMost = oi::kMaxWheelSpeed;
   return std::abs(speeds.left_mm_s) <= kMost && std::abs(speeds.right_mm_s) <= kMost;
@@ -29,7 +29,7 @@ class UserControl {
   struct Answer {
     rt::WheelSpeeds speeds{};  // 0 if refused: no robot can follow them
     bool refused = false;
-    bool first = false;  // of the refused ones in a row
+    bool first = false;  // the first in a row of refused ones
   };
 
   explicit UserControl(const Limits& limits) : limits_{limits} {}
@@ -47,7 +47,7 @@ class UserControl {
     return {.refused = true, .first = was_sane};
   }
 
-  // Once a tick. Whether the call took longer than it may.
+  // Call once a tick. Whether the call took longer than allowed.
   bool over_budget(rt::Duration took) CARGOBAY_NONBLOCKING {
     const bool over = is_set() && took > limits_.budget;
     overruns_in_a_row_ = over ? overruns_in_a_row_ + 1 : 0;

@@ -11,8 +11,8 @@ namespace cargobay::hal {
 class Descriptor {
  public:
   Descriptor() = default;
-  // Takes what open() and its like returned: -1, with errno, for none. One below 3 becomes another:
-  // a program that has closed its standard output may still print.
+  // Takes what open() and the like returned: -1, with errno, for none. A number below 3 is replaced
+  // by a higher one: a program that has closed its standard output may still print.
   explicit Descriptor(int number) : number_{number} {
     if (number < 0 || number > STDERR_FILENO) return;
     number_ = fcntl(number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);

@@ -14,10 +14,10 @@ struct FilePlace {
     ino_t number = 0;
     bool operator==(const Inode&) const = default;
   };
-  std::optional<Inode> file{};    // nothing where there is no file yet
-  std::optional<Inode> folder{};  // in which it is, or would be; nothing where that is unknown
+  std::optional<Inode> file{};    // nothing if there is no file yet
+  std::optional<Inode> folder{};  // in which it is, or would be; nothing if that is unknown
   std::string name{};             // in that folder
-  bool discards = false;          // /dev/null: as many as like may write there
+  bool discards = false;          // /dev/null: any number of writers may share it
 };
 
 // Of the file that the path leads to, which need not exist.
@@ -25,7 +25,7 @@ FilePlace place_of(const std::string& path);
 // Of what is open there.
 FilePlace place_of(int descriptor);
 
-// True for hard links of one file too. False where either discards.
+// True for hard links of one file too. False if either discards.
 bool same_file(const FilePlace& a, const FilePlace& b);
 
 }  // namespace cargobay::hal

@@ -20,13 +20,13 @@
 namespace cargobay::hal {
 namespace {
 
-constexpr mode_t kRights = 0666;  // less what the umask takes
+constexpr mode_t kRights = 0666;  // less the umask
 
-// A name that cannot be foreseen: nothing waits under it.
+// An unpredictable name: nothing waits under it.
 std::string random_name(const std::string& beginning) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz012345";
   std::array<std::uint8_t, 12> random{};
-  (void)!getrandom(random.data(), random.size(), 0);  // so few bytes always come whole
+  (void)!getrandom(random.data(), random.size(), 0);  // this few bytes always come whole
   std::string name = beginning;
   for (const std::uint8_t byte : random) name += kLetters[byte % kLetters.size()];
   return name;
@@ -77,7 +77,7 @@ std::optional<Failure> OutputFile::open_in_place(const std::string& name) {
   file_ = Descriptor{::open(name.c_str(), kFlags)};
   if (file_.number() < 0) return cannot_write(errno);
   struct stat status{};
-  // As it may have become another since it was looked at.
+  // It may have been replaced since it was looked at.
   const bool as_before = fstat(file_.number(), &status) == 0 &&
                          (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode)) &&
                          isatty(file_.number()) == 0;
@@ -93,11 +93,11 @@ std::optional<Failure> OutputFile::open_temporary(const std::string& name) {
   place_ = place_of(name);
   folder_ = Descriptor{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (folder_.number() < 0) return cannot_write(errno);
-  // Without a name there is nothing to be found before it is whole, or left behind by a death. It
-  // gets one by way of /proc.
+  // Without a name, the file cannot be found before it is whole, nor left behind by a crash. It
+  // gets a name through /proc.
   if (access("/proc/self/fd", X_OK) == 0)
     file_ = Descriptor{openat(folder_.number(), ".", O_TMPFILE | O_WRONLY | O_CLOEXEC, kRights)};
-  if (file_.number() < 0) {  // not every file system has such
+  if (file_.number() < 0) {  // not every file system supports that
     temporary_ = random_name(".cargobay-");
     constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
     file_ = Descriptor{openat(folder_.number(), temporary_.c_str(), kFlags, kRights)};
@@ -118,7 +118,7 @@ void OutputFile::keep_rights_of(const std::string& name) const {
   constexpr mode_t kGroup = 070;
   const bool same_group =
       fchown(file_.number(), old.st_uid, old.st_gid) == 0 || old.st_gid == getegid();
-  // Cannot fail for a file of one's own; where it does, the file has the umask's.
+  // Cannot fail for a file of one's own; if it does, the file has the umask's rights.
   (void)!fchmod(file_.number(), old.st_mode & (same_group ? kAll : kAll & ~kGroup));
 }
 
@@ -131,7 +131,7 @@ std::optional<Failure> OutputFile::write(std::string_view bytes,
   while (!bytes.empty()) {
     std::size_t most = bytes.size();
     if (in_place) {
-      // So many never block a pipe that can be written at all.
+      // This many never block on a pipe that can be written at all.
       most = std::min<std::size_t>(most, PIPE_BUF);
       pollfd waited{.fd = file_.number(), .events = POLLOUT, .revents = 0};
       if (ppoll(&waited, 1, &limit, nullptr) == 0) return cannot_write(ETIMEDOUT);
@@ -156,7 +156,7 @@ std::optional<Failure> OutputFile::publish() {
                  {EEXIST, std::generic_category()}};
 }
 
-// Never in the place of anything. Errno where it fails.
+// Never replaces anything. On failure, errno is set.
 bool OutputFile::link_as(const std::string& name) const {
   if (!temporary_.empty())
     return linkat(folder_.number(), temporary_.c_str(), folder_.number(), name.c_str(), 0) == 0;
@@ -166,8 +166,8 @@ bool OutputFile::link_as(const std::string& name) const {
 
 bool OutputFile::move_into_place() {
   const int folder = folder_.number();
-  if (!replaces_ && link_as(name_)) return true;  // the destructor takes the other name away
-  // A file system that knows no links: FAT.
+  if (!replaces_ && link_as(name_)) return true;  // the destructor removes the other name
+  // A file system without links: FAT.
   const bool no_links = errno == EPERM || errno == EOPNOTSUPP;
   if (!replaces_ && !(no_links && !temporary_.empty())) return false;
   if (temporary_.empty()) {

@@ -1,11 +1,11 @@
-// A file that a user names for something to be written to. It is opened before anything moves, and
-// has its name only once what belongs there is written: what was there before is kept until then.
+// A file that a user names for output. It is opened before anything moves, and gets its name only
+// once its contents are written: until then, what was there before is kept.
 //
 // One rule for what is there already (docs/man/cargobay.inc tells users):
-// - A file that may be written is replaced, with its owner and its rights. What came there only
-//   after open() is not: publish() leaves what was written beside it, and says so.
+// - A file that may be written is replaced, keeping its owner and rights. A file that came there
+//   only after open() is not: publish() leaves the output beside it, and says so.
 // - A symbolic link is followed, and the file it leads to is replaced or made; the link stays.
-// - In a folder for all, such as /tmp, files and links of other users are refused.
+// - In a folder open to all, such as /tmp, files and links of other users are refused.
 // - FIFOs that something reads, /dev/null, /dev/full, and /dev/stdout, /dev/stderr and /dev/fd/N
 //   are written as they are; standard output and error may be terminals.
 // - Ports, terminals, disks, other devices, sockets and folders are refused.
@@ -25,7 +25,7 @@ namespace cargobay::hal {
 
 class OutputFile {
  public:
-  // Writes nothing yet. Blocks as the disk does; for the reader of a FIFO not at all.
+  // Writes nothing yet. Blocks for the disk, but not for the reader of a FIFO.
   static Result<OutputFile> open(const std::string& path);
   // What was not published leaves no trace.
   ~OutputFile();
@@ -34,17 +34,17 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  // Appends all of it; after a failure, what there was room for. `patience` is with a pipe that
-  // takes nothing; without it, as long as that lasts. A full disk, a limit of the file's size and a
-  // pipe that nobody reads any more are failures, and no signals (SIGXFSZ, SIGPIPE).
+  // Appends all of it; after a failure, as much as there was room for. `patience` is how long to
+  // wait for a pipe that takes nothing; without it, 24 h. A full disk, a limit on the file's size
+  // and a pipe that nothing reads any longer are failures, not signals (SIGXFSZ, SIGPIPE).
   [[nodiscard]] std::optional<Failure> write(std::string_view bytes,
                                              std::optional<rt::Duration> patience = {});
-  // Gives the file its name; it may still be written to. Does nothing the second time.
+  // Gives the file its name; it may still be written to. The second call does nothing.
   [[nodiscard]] std::optional<Failure> publish();
   // Blocks until what was written is on the disk.
   void sync() const;
 
-  const std::string& path() const { return path_; }  // as it was named
+  const std::string& path() const { return path_; }  // as it was given
   const FilePlace& place() const { return place_; }  // where its links lead
 
  private:
@@ -61,9 +61,9 @@ class OutputFile {
   std::string path_;
   FilePlace place_{};
   Descriptor file_{};
-  Descriptor folder_{};      // of the name; none where the file is written in place
+  Descriptor folder_{};      // of the name; none if the file is written in place
   std::string name_{};       // in the folder
-  std::string temporary_{};  // its name until it is published; empty where it has none
+  std::string temporary_{};  // its name until it is published; empty if it has none
   bool replaces_ = false;    // there was such a file when it was opened
   bool published_ = false;
 };

@@ -22,7 +22,7 @@ OutputName refuse(const std::string& what) {
 }
 OutputName fail(int error) { return {.kind = OutputName::Kind::failed, .error = error}; }
 
-// N of /dev/fd/N and of its other names.
+// N in /dev/fd/N and its other names.
 std::optional<int> descriptor_named(std::string_view path) {
   if (path == "/dev/stdout") return STDOUT_FILENO;
   if (path == "/dev/stderr") return STDERR_FILENO;
@@ -42,8 +42,9 @@ std::string folder_of(const std::string& path) {
   return slash == std::string::npos ? "." : path.substr(0, slash + 1);
 }
 
-// What others put into a folder that is open to all is theirs: the kernel's own rule for links and
-// files there (fs.protected_symlinks, fs.protected_regular), which not every kernel has on.
+// What others put into a folder open to all belongs to them: this is the kernel's own rule for
+// links and files there (fs.protected_symlinks, fs.protected_regular), which not every kernel
+// enables.
 bool belongs_to_others(const std::string& path, const struct stat& status) {
   struct stat folder{};
   if (stat(folder_of(path).c_str(), &folder) != 0) return false;
@@ -71,7 +72,7 @@ OutputName of_a_descriptor(int number) {
   return {.kind = OutputName::Kind::descriptor, .descriptor = number};
 }
 
-// By what it is: no link.
+// By what it is; not for links.
 OutputName judge(const std::string& path, const struct stat& status) {
   if (S_ISDIR(status.st_mode)) return fail(EISDIR);
   if (S_ISSOCK(status.st_mode)) return refuse("it is a socket");

@@ -1,5 +1,5 @@
-// What is where a user wants something written, and whether it may be: the rule that
-// hal/file/output_file.hpp states.
+// What is at the path where a user wants output, and whether it may be written: the rule stated in
+// hal/file/output_file.hpp.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct OutputName {
     absent,      // nothing
   };
   Kind kind = Kind::failed;
-  std::string path{};     // where the links lead
+  std::string path{};     // where its links lead
   int descriptor = -1;    // for Kind::descriptor
   int error = 0;          // for Kind::failed, errno
   std::string refusal{};  // for Kind::refused: why, and what to do

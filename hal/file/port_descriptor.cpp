@@ -17,8 +17,8 @@ namespace cargobay::hal {
 namespace {
 
 constexpr int kLeast = 3;
-// A table of descriptors is as large as its highest number asks for: not beyond what every process
-// may have by default.
+// A descriptor table is as large as its highest number requires: stay within what every process may
+// have by default.
 constexpr rlim_t kUsualLimit = 1024;
 constexpr rlim_t kBelowLimit = 64;
 
@@ -39,8 +39,8 @@ bool is_that(int descriptor, dev_t device, ino_t inode) {
   return fstat(descriptor, &file) == 0 && file.st_dev == device && file.st_ino == inode;
 }
 
-// The descriptors that a forked child closes. A child has one thread and may call only what is
-// async-signal-safe: so a table of fixed size, without a lock.
+// The descriptors that a forked child closes. A child has one thread and may call only
+// async-signal-safe functions: hence a table of fixed size, without a lock.
 struct Kept {
   std::atomic<int> number{-1};
   std::atomic<dev_t> device{0};
@@ -61,7 +61,7 @@ void close_in_child() {
 
 void keep_from_children(int number, dev_t device, ino_t inode) {
   static const int kRegistered = pthread_atfork(nullptr, nullptr, close_in_child);
-  (void)kRegistered;  // fails for want of memory only: then children keep the port
+  (void)kRegistered;  // fails only for want of memory: then children keep the port
   constexpr int kBusy = -2;
   for (Kept& one : kept_from_children) {
     int free = -1;

@@ -1,12 +1,12 @@
-// Keeps the signals that a write() may raise from the program whose thread this is.
+// Keeps the signals that a write() may raise away from the program that owns this thread.
 #pragma once
 
 #include <csignal>
 
 namespace cargobay::hal {
 
-// While it lives, SIGXFSZ and SIGPIPE are blocked on this thread; what came of them meanwhile is
-// taken away at the end. No disposition is changed: they are the program's.
+// While this lives, SIGXFSZ and SIGPIPE are blocked on this thread; those raised meanwhile are
+// consumed at the end. No disposition is changed: dispositions belong to the program.
 class QuietSignals {
  public:
   QuietSignals();

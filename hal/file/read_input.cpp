@@ -17,7 +17,7 @@
 namespace cargobay::hal {
 namespace {
 
-// Until something comes, in milliseconds.
+// How long to wait for input, in milliseconds.
 constexpr int kPatienceMs = 10'000;
 constexpr int kForever = -1;
 constexpr const char* kNameAFile = "name a file";
@@ -37,7 +37,7 @@ bool is_null(const struct stat& status) {
   return S_ISCHR(status.st_mode) && status.st_rdev == makedev(kMemory, kNull);
 }
 
-// Why something of that kind is not read.
+// Why something of this kind is not read.
 std::optional<Failure> objection(const struct stat& status) {
   if (S_ISREG(status.st_mode) || S_ISFIFO(status.st_mode) || is_null(status)) return std::nullopt;
   if (S_ISDIR(status.st_mode)) return unreadable(EISDIR, kNameAFile);
@@ -81,8 +81,8 @@ Result<std::string> read_to_the_end(int descriptor, const InputLimits& limits, i
 
 Result<std::string> read_input(const std::string& path, const InputLimits& limits) {
   struct stat status{};
-  // First by name: to open a device may do something to it. A port's lines change, and a robot's
-  // pins with them.
+  // By name first: opening a device may do something to it. Opening a port changes its lines, and
+  // with them a robot's pins.
   if (stat(path.c_str(), &status) != 0) return unreadable(errno);
   if (auto refused = objection(status)) return *refused;
   const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};

@@ -25,7 +25,7 @@ bool send(ByteStream& stream, const Command& command) {
   return bytes.has_value() && write_all(stream, *bytes);
 }
 
-// What comes in between belongs to nobody. False where the port says that it is gone.
+// What arrives meanwhile is dropped. False if the port reports that it is gone.
 bool pause(ByteStream& stream, rt::Duration duration) {
   const rt::TimePoint until = stream.now() + duration;
   std::array<std::uint8_t, 256> bytes{};
@@ -45,14 +45,14 @@ bool stands(std::uint8_t mode) {
          mode == static_cast<std::uint8_t>(oi::Mode::off);
 }
 
-// Whether the frame that was just decoded says so.
+// Whether the frame just decoded says that it stands.
 bool standing_frame(const oi::StreamDecoder& decoder) {
   oi::SensorValues values;
   return oi::decode_frame(decoder.frame(), values) && values.has(oi::PacketId::oi_mode) &&
          stands(static_cast<std::uint8_t>(values.mode()));
 }
 
-// By the answer to a query, one byte, or by a frame of a stream that did not end.
+// From the answer to a query, one byte, or from a frame of a stream that did not end.
 Parting hear_mode(ByteStream& stream, rt::Duration timeout) {
   oi::StreamDecoder decoder;
   bool first = true;
@@ -76,9 +76,9 @@ Parting hear_mode(ByteStream& stream, rt::Duration timeout) {
 }
 
 Parting say_farewell(ByteStream& stream, const Unfinished& unfinished) {
-  constexpr std::size_t kLongest = oi::kDriveDirectBytes + 2 + 2 + 1;  // of the four
+  constexpr std::size_t kLongest = oi::kDriveDirectBytes + 2 + 2 + 1;  // of the four commands
   bool taken = complete_command(stream, unfinished.bytes);
-  taken = send(stream, oi::DriveDirect{}) && taken;  // while it still obeys
+  taken = send(stream, oi::DriveDirect{}) && taken;  // while the robot still obeys
   taken = send(stream, oi::PauseResumeStream{oi::StreamState::pause}) && taken;
   if (unfinished.demo) taken = send(stream, oi::Demo{oi::DemoNumber::abort}) && taken;
   taken = send(stream, oi::Start{}) && taken;  // Passive: Safe and Full do not charge
@@ -98,7 +98,7 @@ bool complete_command(ByteStream& stream, std::size_t bytes) {
 }
 
 Parting farewell(ByteStream& stream, const Unfinished& unfinished) {
-  (void)stream.set_wake_threshold(1);  // if this fails, single bytes show when the time is over
+  (void)stream.set_wake_threshold(1);  // if this fails, single bytes show up when the time is over
   bool gone = true;
   for (int i = 0; i < kTries; ++i) {
     const std::size_t missing = i == 0 ? unfinished.bytes : oi::kLongestRest;

@@ -24,13 +24,13 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kReadyTimeout{2000};
-// What it does when it is released, and what it does with a robot that does not answer.
+// How long the guard takes to end once released, and to deal with a robot that does not answer.
 constexpr milliseconds kEndTimeout{1000};
 constexpr milliseconds kFarewellTimeout{4000};
-constexpr milliseconds kSilence{500};  // a guard that does not beat for so long will not end either
+constexpr milliseconds kSilence{500};  // without a beat for so long, it will not end either
 constexpr milliseconds kNap{1};
 constexpr int kAboveTheLoop = 10;
-constexpr int kMostPriority = 98;  // 99 is for those without whom the kernel stands still
+constexpr int kMostPriority = 98;  // 99 is for threads without which the kernel stops working
 
 void nap() {
   const timespec pause = rt::as_timespec(kNap);
@@ -59,8 +59,8 @@ void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& option
   pthread_mutexattr_destroy(&attributes);
 }
 
-// Returns an errno. The child's descriptors are those of the block and of the port alone: it keeps
-// neither the user's terminal nor a pipe of theirs open.
+// Returns an errno. Of this process's descriptors the child gets only those of the port, the block
+// and the owner pipe: it keeps neither the user's terminal nor any of the user's pipes open.
 int spawn(const std::string& program, int port, int block, int owner, pid_t& process) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -106,7 +106,7 @@ Result<std::unique_ptr<Guard>> Guard::start(const ByteStream::Terminal& terminal
         mmap(nullptr, sizeof(GuardBlock), PROT_READ | PROT_WRITE, MAP_SHARED, shared.number(), 0);
   }
   if (memory == MAP_FAILED) return no_guard(std::generic_category().message(errno));
-  (void)madvise(memory, sizeof(GuardBlock), MADV_DONTFORK);  // a child has no business with it
+  (void)madvise(memory, sizeof(GuardBlock), MADV_DONTFORK);  // a child must not touch it
   std::unique_ptr<Guard> guard{new Guard{new (memory) GuardBlock}};
   prepare(*guard->block_, *terminal.lock, options, priority, baud);
   guard->owner_ = std::move(owner);
@@ -141,11 +141,11 @@ void Guard::begin_driving() {
   block_->driven.store(true, std::memory_order_relaxed);
   block_->beat_ns.store(rt::nanoseconds(rt::Clock::now()), std::memory_order_relaxed);
   GuardState expected = GuardState::standing_by;
-  // The guard may have taken it from an owner that it found dead.
+  // The guard may have taken the robot from an owner that it found dead.
   block_->state.compare_exchange_strong(expected, GuardState::driving);
 }
 
-// A robot whose guard was lost is being left already.
+// If the guard was lost, the robot is being left already.
 void Guard::end_driving() {
   take_over();
   pthread_mutex_unlock(&block_->alive);
@@ -190,7 +190,7 @@ void Guard::release() {
   while (expected != GuardState::taken &&
          !block_->state.compare_exchange_weak(expected, GuardState::released)) {
   }
-  if (expected == GuardState::taken) release();  // in this instant
+  if (expected == GuardState::taken) release();  // taken at this very moment
   collect();
 }
 
@@ -199,7 +199,7 @@ bool Guard::beats() const {
   return rt::Clock::now() < beat + kSilence;
 }
 
-// It beats while it stops a robot, too. One that does not will not get there.
+// The guard also beats while it stops a robot; one that does not beat will not finish.
 void Guard::wait_until_done() const {
   const rt::TimePoint limit = rt::Clock::now() + kFarewellTimeout;
   while (!block_->done.load(std::memory_order_acquire) && alive() && beats() &&
@@ -208,14 +208,14 @@ void Guard::wait_until_done() const {
   }
 }
 
-// It looks at its state every 20 ms; one that does not end, or does not beat, is killed.
+// The guard looks at its state every 20 ms; one that does not end, or does not beat, is killed.
 void Guard::collect() {
   const rt::TimePoint limit = rt::Clock::now() + kEndTimeout;
   while (process_ > 0 && alive()) {
     if (rt::Clock::now() >= limit || !beats()) kill(process_, SIGKILL);
     nap();
   }
-  // Somebody who collects all children may have been faster.
+  // Code that collects all children may have been faster.
   if (process_ > 0) (void)waitpid(process_, nullptr, 0);
   process_ = -1;
 }

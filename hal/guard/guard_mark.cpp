@@ -15,13 +15,14 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A guard that sleeps beyond its time is frozen (the freezer of a control group).
+// A guard that sleeps for longer than this is frozen (the freezer of a control group).
 constexpr milliseconds kOversleeps{80};
-// One that is ready to run gets no processor: the machine is busy, and so will be the guard's stop.
+// One that is ready to run but gets no processor: the machine is busy, and the guard's stop would
+// be late.
 constexpr milliseconds kStarves{500};
 
-// As the kernel has it in /proc/PID/stat, proc(5): R, S, D, T, t, Z, X. 'X' where there is no such
-// process, '?' where that cannot be found out.
+// The state as in /proc/PID/stat, proc(5): R, S, D, T, t, Z, X. 'X' if there is no such process,
+// '?' if that cannot be found out.
 char state_of(pid_t process) noexcept {
   std::array<char, 32> path{};
   std::snprintf(path.data(), path.size(), "/proc/%d/stat", static_cast<int>(process));
@@ -53,7 +54,7 @@ bool is_lost(char state, rt::Duration silent) noexcept {
 GuardMark::Robot GuardMark::look_after_guard(rt::Duration silent) CARGOBAY_NONBLOCKING {
   const bool lost = rt::unchecked([&]() noexcept { return is_lost(state_of(guard_), silent); });
   if (!lost) return Robot::ours;
-  // One that is woken now finds that the robot is being left.
+  // A guard that is woken now finds that the robot is being left.
   GuardState expected = GuardState::driving;
   return block_->state.compare_exchange_strong(expected, GuardState::guard_lost) ||
                  expected == GuardState::guard_lost

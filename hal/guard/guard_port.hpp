@@ -14,7 +14,7 @@ namespace cargobay::hal {
 // Beats while it waits, so that whoever waits for the guard sees that it lives.
 class GuardPort final : public TtyStream {
  public:
-  // The block outlives it.
+  // `block` must outlive it.
   explicit GuardPort(GuardBlock& block)
       : TtyStream{GuardBlock::kPort, speed(block), nullptr}, block_{block} {}
 
@@ -29,7 +29,8 @@ class GuardPort final : public TtyStream {
  private:
   static constexpr std::chrono::milliseconds kSlice{100};
 
-  // A port that does not say so, not even when asked again, is at the rate it was meant to have.
+  // If the port does not report its rate, even when asked twice, it is assumed to be the wanted
+  // one.
   static std::uint32_t speed(const GuardBlock& block) {
     const std::optional<std::uint32_t> first = tty_speed(GuardBlock::kPort);
     return first ? *first : tty_speed(GuardBlock::kPort).value_or(block.wanted_baud);

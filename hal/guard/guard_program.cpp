@@ -31,7 +31,7 @@ std::string owner_text(const fs::path& path, uid_t owner) {
          ", neither root nor you; install Cargobay, or build it as yourself";
 }
 
-// Of the file or folder itself. The owners are those who may say what runs.
+// Objection to the file or folder itself. `owners` are those who may decide what runs.
 std::optional<std::string> objection(const fs::path& path, const std::vector<uid_t>& owners) {
   struct stat file{};
   if (stat(path.c_str(), &file) != 0)
@@ -46,7 +46,7 @@ std::optional<std::string> objection(const fs::path& path, const std::vector<uid
   return std::nullopt;
 }
 
-// The guard's own folder is no place for others, sticky or not.
+// The guard's own folder must not be writable by others, sticky or not.
 std::optional<std::string> objection_to_folder(const fs::path& folder) {
   struct stat file{};
   if (stat(folder.c_str(), &file) != 0 || (file.st_mode & (S_IWGRP | S_IWOTH)) == 0)
@@ -70,7 +70,7 @@ Result<std::string> trusted(const fs::path& named, const std::vector<uid_t>& own
   }
 }
 
-// The file that this very code was loaded from: the program or the shared library.
+// The file that this code was loaded from: the program or the shared library.
 fs::path this_object() {
   const auto here = reinterpret_cast<std::uintptr_t>(&guard_program);
   std::ifstream maps{"/proc/self/maps"};
@@ -94,7 +94,7 @@ bool lies_in(const fs::path& path, const fs::path& folder) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-// Empty where there is none.
+// Empty if there is none.
 std::string built(const fs::path& object) {
   std::error_code error;
   const fs::path tree = fs::canonical(CARGOBAY_BUILD_TREE, error);

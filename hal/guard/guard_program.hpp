@@ -1,5 +1,5 @@
-// Which program is run as the guard: it gets the robot's port and runs with the rights of the
-// program that drives, so nobody else may have a say in it.
+// Which program is run as the guard. It gets the robot's port and runs with the rights of the
+// program that drives, so no other user may influence the choice.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 namespace cargobay::hal {
 
 // `wanted` if it is not empty; else $CARGOBAY_GUARD, unless the program has rights that its user
-// has not (AT_SECURE, getauxval(3)); else the guard of the build tree, for code that itself lies in
-// that tree; else the one at the place where this library is installed. Nothing is looked for in
-// PATH, or beside or above the program. The file must belong to root or to the user (in a build
-// tree to the owner of the code as well), and neither it nor any folder that leads to it may be
-// writable by others, but for folders with the sticky bit. Fails with the reason and the remedy.
-// Reads files; allocates.
+// does not have (AT_SECURE, getauxval(3)); else the guard of the build tree, for code that itself
+// lies in that tree; else the one in the place where this library is installed. Neither PATH nor
+// the folders beside or above the program are searched. The file must belong to root or to the user
+// (in a build tree, also to the owner of the code), and neither it nor any folder that leads to it
+// may be writable by others, except folders with the sticky bit. Fails with the reason and the
+// remedy. Reads files; allocates.
 Result<std::string> guard_program(const std::string& wanted);
 
 }  // namespace cargobay::hal

@@ -42,14 +42,14 @@ constexpr milliseconds kLongestLeave{3000};  // the owner's own takes 2 s at mos
 constexpr int kNotByHand = 2;
 constexpr int kOtherVersion = 3;
 
-// Sleeps until the next beat, or until the owner is gone: dead, or another program by now.
+// Sleeps until the next beat, or until the owner is gone: dead, or replaced by another program.
 bool owner_goes(const GuardBlock& block) {
   pollfd owner{.fd = GuardBlock::kOwner, .events = 0, .revents = 0};
   const int ended = poll(&owner, 1, static_cast<int>(kGuardBeat.count()));
   return ended > 0 || getppid() != block.owner;
 }
 
-// Null where this program was not started by the library of its own version.
+// Null if this program was not started by the library of its own version.
 GuardBlock* map_block() {
   struct stat file{};
   if (fstat(GuardBlock::kBlock, &file) != 0 || file.st_size != sizeof(GuardBlock)) return nullptr;
@@ -68,9 +68,9 @@ GuardBlock* map_block() {
   for (std::size_t i = 0; i < pages.size(); i += kPage) pages[i] = 1;
 }
 
-// As far as it may: without these it serves as well as the scheduler lets it.
+// As far as permitted: without these rights it serves as well as the scheduler lets it.
 void take_rights(const GuardBlock& block) {
-  // Not what comes later: nothing does but the stack, which could not grow beyond a limit.
+  // Not MCL_FUTURE: only the stack still grows, and under a limit it then could not.
   touch_stack();
   (void)mlockall(MCL_CURRENT);
   cpu_set_t all;
@@ -81,7 +81,7 @@ void take_rights(const GuardBlock& block) {
   parameters.sched_priority = block.priority;
   if (block.priority > 0) (void)sched_setscheduler(0, SCHED_FIFO, &parameters);
   if (const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); file >= 0) {
-    (void)!write(file, "-1000", 5);  // only root may
+    (void)!write(file, "-1000", 5);  // only root may do this
     close(file);
   }
 }
@@ -93,7 +93,7 @@ std::int64_t beat(GuardBlock& block) {
   return now_ns;
 }
 
-// Until the control thread is dead or hung, or has let go of its own accord (nothing).
+// Until the control thread is dead or hung, or has let go of its own accord (`nothing`).
 GuardFinding watch(GuardBlock& block) {
   for (;;) {
     const std::int64_t next_beat_ns = beat(block) + rt::Duration{kGuardBeat}.count();
@@ -104,14 +104,14 @@ GuardFinding watch(GuardBlock& block) {
       case 0: pthread_mutex_unlock(&block.alive); return GuardFinding::nothing;
       case EOWNERDEAD: return GuardFinding::owner_died;
       case ETIMEDOUT: break;
-      default: (void)owner_goes(block);  // the beats remain
+      default: (void)owner_goes(block);  // the beats continue
     }
     const rt::TimePoint beat{rt::Duration{block.beat_ns.load(std::memory_order_relaxed)}};
     if (rt::Clock::now() >= beat + rt::Duration{block.deadline_ns}) return GuardFinding::owner_hung;
   }
 }
 
-// Before and after the drive the owner is an ordinary program: looked at now and then.
+// Before and after the drive the owner is an ordinary program: check on it now and then.
 GuardFinding wait_for_change(GuardBlock& block, GuardState state) {
   const rt::TimePoint limit = rt::Clock::now() + kLongestLeave;
   while (block.state.load(std::memory_order_acquire) == state) {
@@ -132,7 +132,7 @@ GuardFinding guard(GuardBlock& block) {
                                  : state == GuardState::driving   ? watch(block)
                                                                   : wait_for_change(block, state);
     if (finding == GuardFinding::nothing) {
-      // The lock is free, and the thread that held it did not say farewell.
+      // The lock is free, but the thread that held it did not say farewell.
       GuardState expected = GuardState::driving;
       if (state == expected) block.state.compare_exchange_strong(expected, GuardState::leaving);
       continue;
@@ -148,13 +148,13 @@ void leave_port_as_found(const GuardBlock& block) {
   tcdrain(GuardBlock::kPort);
   tcsetattr(GuardBlock::kPort, TCSANOW, &block.found);
   if (block.found_baud != 0 && tty_speed(GuardBlock::kPort) != block.found_baud) {
-    (void)set_tty_speed(GuardBlock::kPort, block.found_baud);  // nobody is left to be told
+    (void)set_tty_speed(GuardBlock::kPort, block.found_baud);  // nothing is left to report to
   }
   ioctl(GuardBlock::kPort, TIOCNXCL);
 }
 
-// Of what the loop has sent so much may wait in the port's queue that the stop would come late:
-// then it is dropped, and one of the commands in it was cut. Returns how many bytes may be missing.
+// If so much of what the loop sent is still queued in the port that the stop would come late, the
+// backlog is dropped, which cuts one of the commands in it. Returns how many bytes may be missing.
 std::size_t drop_backlog(std::size_t owed) {
   int waiting = 0;
   if (ioctl(GuardBlock::kPort, TIOCOUTQ, &waiting) != 0 || waiting <= kMostBacklog) return owed;
@@ -162,13 +162,13 @@ std::size_t drop_backlog(std::size_t owed) {
   return oi::kLongestRest;
 }
 
-// In the middle of a bring-up the robot may be at another rate than the port.
+// During a bring-up the robot may be at another rate than the port.
 Parting say_farewell(GuardBlock& block) {
   GuardPort terminal{block};
   SpacedStream port{terminal};
   Unfinished unfinished{.bytes = drop_backlog(block.in_writing.load(std::memory_order_acquire)),
                         .demo = block.demo.load(std::memory_order_acquire)};
-  // What the program's SpacedStream kept is gone with it.
+  // What the program's SpacedStream had buffered is lost with it.
   if (oi::needs_spacing(port.baud())) unfinished.bytes = oi::kLongestRest;
   const Parting parting = farewell(port, unfinished);
   if (parting != Parting::unconfirmed || block.driven) return parting;
@@ -200,7 +200,7 @@ int run() {
   }
   block->parting.store(say_farewell(*block), std::memory_order_relaxed);
   block->done.store(true, std::memory_order_release);
-  // An owner that lives has the port still, and closes it; if it dies first that is left to us.
+  // A living owner still has the port and closes it; if it dies first, that is left to us.
   const bool alive = finding != GuardFinding::owner_died &&
                      wait_for_change(*block, GuardState::taken) == GuardFinding::nothing;
   if (!alive) leave_port_as_found(*block);

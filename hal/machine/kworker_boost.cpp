@@ -49,17 +49,17 @@ void KworkerBoost::stop() {
   ended_.notify_one();
   if (thread_.joinable()) thread_.join();
   for (const pid_t thread : std::exchange(raised_, {})) {
-    // Its number may be another thread's by now, and its priority somebody else's wish.
+    // By now the number may belong to another thread, with a priority that it was meant to have.
     const auto task = read_task(proc_ / std::to_string(thread));
     if (task && task->is_unbound_kworker() && task->priority == priority_)
-      (void)scheduler_.set_ordinary(thread);  // who was allowed to raise it may lower it
+      (void)scheduler_.set_ordinary(thread);  // whoever may raise it may lower it
   }
 }
 
 int KworkerBoost::raise_all() {
   std::vector<Task> kworkers = kernel_threads(proc_);
   std::erase_if(kworkers, [](const Task& task) { return !task.is_unbound_kworker(); });
-  // Those that have ended are nobody's any more.
+  // Forget those that have ended.
   std::erase_if(raised_, [&](pid_t thread) {
     return std::ranges::find(kworkers, thread, &Task::id) == kworkers.end();
   });
@@ -76,7 +76,7 @@ int KworkerBoost::raise_all() {
 void KworkerBoost::keep_raised() {
   std::unique_lock lock{mutex_};
   while (!ended_.wait_for(lock, kPeriod, [this] { return ending_; })) {
-    (void)raise_all();  // what was allowed once may be refused later: the rest stays as it is
+    (void)raise_all();  // if it is refused by now, the rest stays as it is
   }
 }
 

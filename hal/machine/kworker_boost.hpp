@@ -1,8 +1,8 @@
-// Real-time priority for the kernel's threads that hand the bytes of a port to its reader.
+// Real-time priority for the kernel threads that hand a port's bytes to its reader.
 //
 // What arrives at a terminal reaches poll() and read() through a kworker of ordinary priority: a
-// real-time program of any priority, even below the reader's, that takes the CPU holds the bytes
-// back. docs/realtime.md says when this is worth it, and what else these kworkers do.
+// real-time program of any priority, even below the reader's, that takes the CPU delays the bytes.
+// docs/realtime.md says when this is worth it, and what else these kworkers do.
 #pragma once
 
 #include <sys/types.h>
@@ -27,10 +27,10 @@ struct SchedulerCalls {
 };
 SchedulerCalls kernel_scheduler();
 
-// All functions from one thread.
+// Call all functions from one thread.
 class KworkerBoost {
  public:
-  // The second and the third are for tests.
+  // The second and third parameters are for tests.
   explicit KworkerBoost(int priority, std::filesystem::path proc = "/proc",
                         SchedulerCalls scheduler = kernel_scheduler());
   // Stops.
@@ -38,14 +38,14 @@ class KworkerBoost {
   KworkerBoost(const KworkerBoost&) = delete;
   KworkerBoost& operator=(const KworkerBoost&) = delete;
 
-  // The kworkers of no CPU in particular get SCHED_FIFO at the priority, and so do those that the
-  // kernel adds, within kPeriod: a thread of ordinary priority looks for them. Those at another
-  // real-time priority stay as they are; those at this one were left by a process that was killed,
-  // and are taken over. Blocks for some ms; allocates. Returns an errno: where the right is
-  // refused, nothing is changed and nothing runs. To be called once.
+  // Gives SCHED_FIFO at the priority to the kworkers that are not bound to a CPU, and within
+  // kPeriod to those that the kernel adds: a thread of ordinary priority looks for them. Those at
+  // another real-time priority stay as they are; those at this one were left by a process that was
+  // killed, and are taken over. Blocks for some ms; allocates. Returns an errno: if the right is
+  // refused, nothing is changed and nothing runs. Call once.
   [[nodiscard]] int start();
-  // All of these are ordinary again. Idempotent. A process that is killed leaves them as they are:
-  // the next one that starts and stops a boost of this priority, or chrt, puts that right.
+  // Makes all of these ordinary again. Idempotent. A process that is killed leaves them as they
+  // are: the next one that starts and stops a boost of this priority, or chrt, puts that right.
   void stop();
 
   static constexpr std::chrono::seconds kPeriod{1};
@@ -65,7 +65,7 @@ class KworkerBoost {
 };
 
 // The priority for a loop of that priority: one below it. While the loop waits for bytes it does
-// not run, and while it runs nothing that a kworker does may hold it up.
+// not run, and while it runs, nothing that a kworker does may hold it up.
 constexpr int kworker_priority(int loop_priority) { return loop_priority - 1; }
 
 // What was refused, why, and what to do about it: one line, for an errno of start().

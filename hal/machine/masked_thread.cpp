@@ -13,7 +13,7 @@ std::error_code start_masked(std::thread& thread, std::function<void()> body) {
   std::error_code error;
   try {
     thread = std::thread{std::move(body)};
-  } catch (const std::system_error& refused) {  // the one way std::thread has to say it
+  } catch (const std::system_error& refused) {  // the only way std::thread reports it
     error = refused.code();
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);

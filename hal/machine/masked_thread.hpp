@@ -1,4 +1,4 @@
-// A thread of the library's own, which takes no signal of the program's.
+// A thread of the library's own, which takes none of the program's signals.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 
 namespace cargobay::hal {
 
-// Starts `body` on `thread`, which is not running; after an error it still is not. All signals are
-// blocked in it: they are the business of the program's own threads.
+// Starts `body` on `thread`, which must not be running; after an error it still is not. All signals
+// are blocked in it: they are for the program's own threads.
 [[nodiscard]] std::error_code start_masked(std::thread& thread, std::function<void()> body);
 
 }  // namespace cargobay::hal

@@ -21,9 +21,9 @@ std::optional<Number> number(std::string_view text) {
 
 }  // namespace
 
-// proc(5): the name stands in brackets, and may hold any character.
+// proc(5): the name is in parentheses, and may hold any character.
 std::optional<Task> read_task(const fs::path& folder) {
-  constexpr std::size_t kParent = 1;  // counted from the state, the first behind the name
+  constexpr std::size_t kParent = 1;  // counted from the state, the first after the name
   constexpr std::size_t kTerminal = 4;
   constexpr std::size_t kFlags = 6;
   constexpr std::size_t kPriority = 37;

@@ -1,4 +1,4 @@
-// The threads of this machine, as /proc tells of them.
+// The threads of this machine, as /proc lists them.
 #pragma once
 
 #include <sys/types.h>
@@ -14,16 +14,16 @@ struct Task {
   pid_t id = 0;
   std::string name{};
   pid_t parent = 0;
-  long terminal = 0;  // the number of the one that controls it (proc(5), tty_nr); 0: none
+  long terminal = 0;  // the number of its controlling terminal (proc(5), tty_nr); 0: none
   long priority = 0;  // of SCHED_FIFO and SCHED_RR; 0 for others
   bool of_kernel = false;
 
-  // One of the kworkers of no CPU in particular: they hand the bytes of terminals to who reads
-  // them, among all else that the kernel puts off (kernel: flush_to_ldisc()).
+  // One of the kworkers that are not bound to a CPU: they hand the bytes of terminals to their
+  // readers, among everything else that the kernel defers (kernel: flush_to_ldisc()).
   bool is_unbound_kworker() const { return of_kernel && name.starts_with("kworker/u"); }
 };
 
-// The folder of one thread, such as /proc/1/task/1; nothing where it has ended.
+// The folder of one thread, such as /proc/1/task/1; nothing if it has ended.
 std::optional<Task> read_task(const std::filesystem::path& folder);
 
 // The folders of all processes under `proc`, in any order.

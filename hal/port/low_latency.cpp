@@ -19,7 +19,7 @@ std::optional<int> read_number(const std::string& path) {
 
 void ask_for_low_latency(int descriptor) {
   serial_struct settings{};
-  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;  // not of this kind
+  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;  // the driver has no such settings
   settings.flags |= static_cast<int>(ASYNC_LOW_LATENCY);
   ioctl(descriptor, TIOCSSERIAL, &settings);
 }

@@ -1,5 +1,5 @@
-// What makes a driver hand bytes over at once. The timer of an FTDI adapter bunches frames for up
-// to 16 ms, longer than the robot's period.
+// How to make a driver hand bytes over at once. The latency timer of an FTDI adapter holds frames
+// back and bunches them for up to 16 ms, longer than the robot's period.
 #pragma once
 
 #include <optional>
@@ -7,12 +7,12 @@
 
 namespace cargobay::hal {
 
-// Sets ASYNC_LOW_LATENCY where the driver has it: 1 ms for an FTDI, nothing for a PL011. It stays
+// Sets ASYNC_LOW_LATENCY if the driver has it: 1 ms for an FTDI, no effect on a PL011. It stays
 // set.
 void ask_for_low_latency(int descriptor);
 
-// The timer of the port's adapter, in its folder of sysfs, set to 1 ms where that is allowed.
-// Returns what it is now, in ms; nothing where the port has no such timer.
+// Sets the latency timer of the port's adapter, in its sysfs folder, to 1 ms if that is allowed.
+// Returns what it is now, in ms; nothing if the port has no such timer.
 std::optional<int> shorten_latency_timer(const std::string& sysfs_folder);
 
 }  // namespace cargobay::hal

@@ -17,7 +17,7 @@ Result<OpenedPort> open_either(const std::string& path, std::uint32_t baud) {
   }
   std::error_code error;
   const std::filesystem::path real = std::filesystem::canonical(path, error);
-  // What cannot be followed is refused by its own name.
+  // A path that cannot be resolved is refused under its own name.
   return open_serial(error ? path : real.string(), baud);
 }
 

@@ -1,4 +1,4 @@
-// Whatever port a path names.
+// Opens whatever port a path names.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace cargobay::hal {
 
-// For a robot (hal/stream/spaced_stream.hpp). A pseudo-terminal by open_pty(), which libserialport
-// refuses; any other by open_serial(). Links, such as /dev/serial0 or those under
+// For a robot (hal/stream/spaced_stream.hpp). A pseudo-terminal, which libserialport refuses, is
+// opened by open_pty(); any other port by open_serial(). Links, such as /dev/serial0 or those under
 // /dev/serial/by-id, are followed.
 Result<OpenedPort> open_port(const std::string& path, std::uint32_t baud);
 

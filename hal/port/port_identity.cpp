@@ -15,7 +15,7 @@ bool exists(const std::string& path) {
   return fs::exists(path, unreachable);
 }
 
-// Empty strings match, too: many adapters have no serial number.
+// Empty strings match too: many adapters have no serial number.
 bool same_adapter(const PortInfo& a, const PortInfo& b) {
   return a.usb_vendor_id == b.usb_vendor_id && a.usb_product_id == b.usb_product_id &&
          a.usb_serial == b.usb_serial;
@@ -53,7 +53,7 @@ std::optional<std::string> find_port(const PortIdentity& identity,
     if (!exists(identity.path)) return std::nullopt;
     return identity.path;
   }
-  // Listing all ports takes milliseconds, looking for a link microseconds.
+  // Listing all ports takes milliseconds, checking for a link microseconds.
   if (!identity.stable_path.empty() && !exists(identity.stable_path)) return std::nullopt;
   const PortInfo wanted{.usb_serial = identity.usb_serial,
                         .usb_vendor_id = identity.usb_vendor_id,

@@ -1,5 +1,5 @@
-// By what a port is known again after it was gone: a USB adapter that is plugged in again may come
-// back as another ttyUSBn, and another adapter under its old name.
+// How to recognise a port that was gone and came back: a USB adapter that is plugged in again may
+// come back as another ttyUSBn, and another adapter under its old name.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,22 @@ struct PortIdentity {
     usb,   // by vendor, product and serial number
   };
   Kind kind = Kind::path;
-  std::string path{};  // as it was named
-  // The rest is that of a USB adapter.
-  std::string stable_path{};  // of PortInfo; may be empty
+  std::string path{};  // as it was given
+  // The rest applies to USB adapters only.
+  std::string stable_path{};  // as in PortInfo; may be empty
   int usb_vendor_id = 0;
   int usb_product_id = 0;
   std::string usb_serial{};
 };
 
-// Of the port that `path` names, while it is there; `ports` are those of the machine. A link, such
-// as one under /dev/serial/by-id, was chosen by somebody who wants it followed: it stays the name.
-// An adapter is known as such only where no other in `ports` looks the same. Fails for the number
-// of a pseudo-terminal, /dev/pts/3: what comes back under it may be anybody's.
+// The identity of the port at `path`, while it is present; `ports` are all ports of the machine. A
+// link, such as one under /dev/serial/by-id, was chosen by a user who wants it followed: it stays
+// the name. An adapter is recognised as such only if no other in `ports` looks the same. Fails for
+// the number of a pseudo-terminal, /dev/pts/3: whatever comes back under it may be unrelated.
 Result<PortIdentity> identify(const std::string& path, const std::vector<PortInfo>& ports);
 
-// Where the port is now; nothing where it is not there, or where several look like it: the wrong
-// one would move another robot. Calls `ports` only where there is reason to; blocks as long as that
-// does; allocates.
+// Where the port is now; nothing if it is not there, or if several look like it: the wrong one
+// would move another robot. Calls `ports` only if needed; blocks as long as that does; allocates.
 std::optional<std::string> find_port(const PortIdentity& identity,
                                      const std::function<std::vector<PortInfo>()>& ports);
 

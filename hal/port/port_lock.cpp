@@ -36,13 +36,13 @@ int PortLock::hand_over(int descriptor) {
   return 0;
 }
 
-// Somebody's own terminal, named by mistake, is one that can be typed on again.
+// A user's own terminal, named by mistake, can then be typed on again.
 PortLock::~PortLock() {
   if (!ours_ || !still_open()) return;
   tcsetattr(descriptor(), TCSANOW, &found_);
-  // A rate without a constant of its own is not in termios.
+  // termios cannot hold a rate that has no constant.
   if (found_speed_.has_value() && tty_speed(descriptor()) != found_speed_) {
-    (void)set_tty_speed(descriptor(), *found_speed_);  // nobody is left to be told
+    (void)set_tty_speed(descriptor(), *found_speed_);  // there is nothing left to report it to
   }
   let_go();
 }

@@ -16,28 +16,29 @@ namespace cargobay::hal {
 
 class PortLock {
  public:
-  // Opens `path`, without waiting for the device, and locks it before anything of it is touched: by
-  // flock(), which stops root too, and by TIOCEXCL, which stops those who do not ask. If nobody but
-  // a guard has it, which is stopping the robot of a program that died, waits until that is done, 6
-  // s at most; if nobody can be seen to have it, which may have let it go meanwhile, asks again for
-  // 0.2 s. A failure leaves the port as it was.
+  // Opens `path`, without waiting for the device, and locks it before changing anything: by
+  // flock(), which keeps out root too, and by TIOCEXCL, which keeps out programs that do not check
+  // for locks. If only a guard has the port, because it is stopping the robot of a program that
+  // died, waits until it has finished, 6 s at most. If no process can be seen to have it, it may
+  // have been released meanwhile: tries again for 0.2 s. A failure leaves the port as it was.
   static Result<std::unique_ptr<PortLock>> take(const std::string& path);
-  // The port is set as it was found, and free again; nothing is done if the descriptor is no longer
-  // the port's.
+  // Sets the port as it was found, and releases it; does nothing if the descriptor is no longer the
+  // port's.
   ~PortLock();
   PortLock(const PortLock&) = delete;
   PortLock& operator=(const PortLock&) = delete;
 
   int descriptor() const { return descriptor_.number(); }
-  // Whether that still is the port's. One system call.
+  // Whether descriptor() is still the port's. One system call.
   bool still_open() const noexcept { return descriptor_.still_open(); }
   const termios& found() const { return found_; }
   std::optional<std::uint32_t> found_speed() const { return found_speed_; }
-  // For a library that opens the port itself: not locked any more, until hand_over(). libserialport
-  // locks by flock() too, from 0.1.2 on, and would find us in its way.
+  // For a library that opens the port itself: no longer locked, until hand_over(). libserialport
+  // locks by flock() too, from 0.1.2 on, and our lock would be in its way.
   void let_go() const;
-  // The lock, and descriptor(), are from now on of this other open file of the port: 0, or an
-  // errno, EBUSY where somebody came in between. `descriptor` stays open, and its library's.
+  // Moves the lock and descriptor() to this other open file of the port. Returns 0 or an errno,
+  // EBUSY if another process got in between. `descriptor` stays open, and still belongs to its
+  // library.
   [[nodiscard]] int hand_over(int descriptor);
 
  private:
@@ -47,11 +48,11 @@ class PortLock {
 
   PortDescriptor descriptor_;
   bool ours_ = false;
-  termios found_{};  // how the port was found, and is left
+  termios found_{};  // how the port was found and will be left
   std::optional<std::uint32_t> found_speed_{};
 };
 
-// One line for an errno of opening the port.
+// One line for an errno from opening the port.
 Failure cannot_open(const std::string& path, int error);
 
 }  // namespace cargobay::hal

@@ -1,5 +1,5 @@
-// How a port is taken, and what is said if it cannot be. Apart from the rest of a PortLock, which
-// the guard has too: it takes no port, and needs nothing of this.
+// How a port is taken, and the message if it cannot be. Separate from the rest of PortLock, which
+// the guard uses too: the guard takes no port and needs none of this.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -50,8 +50,8 @@ Failure cannot_open(const std::string& path, int error) {
   }
 }
 
-// A port that only guards have is free as soon as they have said farewell. One that nobody has was
-// let go meanwhile, unless its user is out of sight: in another container, say.
+// A port that only guards have is free as soon as they have said farewell. A port that no process
+// has was released meanwhile, unless its user cannot be seen: in another container, for example.
 Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
   constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 50'000'000};
   constexpr int kMostUnseen = 4;

@@ -34,7 +34,7 @@ std::string first_line(const fs::path& path) {
   return text.substr(0, text.find('\n'));
 }
 
-// A device, under whatever name; in tests a file.
+// A device, under whatever name; in tests, a file.
 class Port {
  public:
   static std::optional<Port> at(const std::string& path) {
@@ -47,21 +47,21 @@ class Port {
   bool is(const struct stat& other) const {
     if (!S_ISCHR(seen_.st_mode))
       return other.st_dev == seen_.st_dev && other.st_ino == seen_.st_ino;
-    // Each devpts, such as a container's, counts its terminals from 0.
+    // Each devpts, such as a container's, numbers its terminals from 0.
     return S_ISCHR(other.st_mode) && other.st_rdev == seen_.st_rdev &&
            (!is_pty() || other.st_dev == seen_.st_dev);
   }
   bool is_pty() const { return pty_; }
   // Of a pseudo-terminal.
   std::string index() const { return std::to_string(minor(seen_.st_rdev)); }
-  // As proc(5) numbers the terminal that controls a process (kernel: new_encode_dev()).
+  // In proc(5)'s numbering of the terminal that controls a process (kernel: new_encode_dev()).
   long terminal() const {
     const unsigned low = minor(seen_.st_rdev) & 0xffU;
     const unsigned high = (minor(seen_.st_rdev) & ~0xffU) << 12U;
     return S_ISCHR(seen_.st_mode) ? static_cast<long>(low | (major(seen_.st_rdev) << 8U) | high)
                                   : 0;
   }
-  // As /proc/locks names the file.
+  // The name of the file in /proc/locks.
   std::string lock_name() const {
     std::array<char, 64> name{};
     (void)std::snprintf(name.data(), name.size(), "%02x:%02x:%llu",  // it fits
@@ -75,15 +75,15 @@ class Port {
   bool pty_ = false;
 };
 
-// What a look at one process's files says.
+// What a look at one process's files shows.
 enum class Holding : std::uint8_t { nothing, port, other_side, unseen };
 
-// Only what may be a terminal is looked at: a file of a network that is down would hold us up.
+// Looks only at what may be a terminal: a file on a network that is down would block.
 bool may_be_terminal(std::string_view link) {
   return link.find("/dev/") != std::string_view::npos || link.find("tty") != std::string_view::npos;
 }
 
-// Whether descriptor `name` is the side of the virtual Create (proc(5), fdinfo: tty-index).
+// Whether descriptor `name` is the virtual Create's side (proc(5), fdinfo: tty-index).
 bool is_master(const Port& port, const fs::path& process, const std::string& name) {
   std::istringstream lines{text_of(process / "fdinfo" / name)};
   for (std::string line; std::getline(lines, line);) {
@@ -134,7 +134,7 @@ std::vector<pid_t> lockers(const Port& port, const fs::path& proc) {
   return found;
 }
 
-// A guard is listed only where the program that it belongs to is not.
+// A guard is listed only if the program that it belongs to is not.
 bool is_guard_name(std::string_view name) { return name == "cargobay-guard"; }
 
 enum class Kind : std::uint8_t {
@@ -166,7 +166,7 @@ Kind kind_of(std::string_view name) {
   return Kind::other;
 }
 
-// "serial-getty@ttyAMA0.service"; empty where systemd did not start it as a service.
+// "serial-getty@ttyAMA0.service"; empty if systemd did not start it as a service.
 std::string service_of(const fs::path& process) {
   std::istringstream lines{text_of(process / "cgroup")};
   for (std::string line; std::getline(lines, line);) {
@@ -176,7 +176,7 @@ std::string service_of(const fs::path& process) {
   return "";
 }
 
-// The kernel's command line makes systemd start a login prompt there, whatever is disabled.
+// Because of the kernel's command line, systemd starts a login prompt there, whatever is disabled.
 std::string and_console(const std::string& service, const fs::path& root) {
   const std::size_t at = service.find('@');
   if (at == std::string::npos) return "";
@@ -204,7 +204,7 @@ PortUsers find_port_users(const std::string& path, const fs::path& root) {
   const fs::path proc = root / "proc";
   const std::vector<pid_t> locked = lockers(*port, proc);
   const pid_t own = getpid();
-  std::vector<std::pair<pid_t, PortUser>> guards;  // behind their parents
+  std::vector<std::pair<pid_t, PortUser>> guards;  // listed after their parents
   for (const fs::path& process : processes(proc)) {
     const auto task = read_task(process);
     if (!task || task->of_kernel || task->id == own) continue;

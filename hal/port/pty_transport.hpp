@@ -1,4 +1,4 @@
-// A serial port by POSIX termios alone: pseudo-terminals, which libserialport refuses, and any
+// A serial port using POSIX termios alone: pseudo-terminals, which libserialport refuses, and any
 // other terminal device.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace cargobay::hal {
 bool is_pty(const std::string& path);
 
 // Opens `path`, 8N1, raw, no flow control, at a baud rate of oi/baud.hpp, for this process alone: a
-// second opener is refused, root too. What had arrived before is dropped. Blocks only as long as
+// second opener is refused, even root. What had arrived before is dropped. Blocks only as long as
 // open() does; allocates. The port is released when the stream is destroyed.
 Result<std::unique_ptr<ByteStream>> open_pty(const std::string& path, std::uint32_t baud);
 

@@ -32,7 +32,7 @@ using Config = std::unique_ptr<sp_port_config, FreeConfig>;
 
 constexpr int kLongestGoodTimerMs = 2;
 
-// To be asked right behind the call.
+// Call right after the function that failed.
 std::error_code error_of(sp_return result) {
   switch (result) {
     case SP_OK: return {};
@@ -45,12 +45,12 @@ std::error_code error_of(sp_return result) {
   return {code != 0 ? code : EIO, std::generic_category()};
 }
 
-// 8N1, no flow control, at the rate.
+// 8N1, no flow control, at this rate.
 sp_return configure(sp_port* port, std::uint32_t baud) {
   sp_port_config* raw = nullptr;
   if (const sp_return result = sp_new_config(&raw); result != SP_OK) return result;
   const Config config{raw};
-  // The setters fail for a null pointer only.
+  // The setters fail only for a null pointer.
   (void)sp_set_config_baudrate(raw, static_cast<int>(baud));
   (void)sp_set_config_bits(raw, 8);
   (void)sp_set_config_parity(raw, SP_PARITY_NONE);
@@ -70,7 +70,7 @@ class SerialTransport final : public TtyStream {
     return error_of(sp_set_baudrate(port_.get(), static_cast<int>(baud)));
   }
 
-  OpenPort port_;  // closed before the lock gives the port back
+  OpenPort port_;  // closed before the lock restores the port
 };
 
 std::string timer_remark(const std::string& path, int timer_ms) {
@@ -124,7 +124,7 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
     return refuse(error_of(result));
   }
   int descriptor = -1;
-  (void)sp_get_port_handle(raw, &descriptor);  // of an open port it cannot fail
+  (void)sp_get_port_handle(raw, &descriptor);  // cannot fail for an open port
   OpenPort port{unopened.release(), ClosePort{PortDescriptor::borrow(descriptor)}};
   if (const int error = (*lock)->hand_over(descriptor); error != 0) {
     return cannot_open(path, error);
@@ -137,7 +137,7 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
   ask_for_low_latency((*lock)->descriptor());
   OpenedPort opened;
   opened.stream = std::make_unique<SerialTransport>(std::move(*lock), std::move(port), baud);
-  // libserialport leaves VMIN at 0: a poll() that ends with nothing to read.
+  // libserialport leaves VMIN at 0: poll() would wake with nothing to read.
   if (const std::error_code refused = opened.stream->set_wake_threshold(1); refused)
     return refuse(refused);
   opened.stream->discard_input();

@@ -31,7 +31,8 @@ constexpr std::array<StandardRate, 10> kStandardRates{{{300, B300},
                                                        {57600, B57600},
                                                        {115200, B115200}}};
 
-// What other programs see of the rate: those that know termios only take BOTHER for no rate.
+// The rate as other programs see it: those that know only termios do not recognise BOTHER as a
+// rate.
 tcflag_t constant_of(std::uint32_t baud) {
   const auto* const standard =
       std::find_if(kStandardRates.begin(), kStandardRates.end(),
@@ -44,8 +45,8 @@ tcflag_t constant_of(std::uint32_t baud) {
 std::error_code set_tty_speed(int descriptor, std::uint32_t baud) {
   struct termios2 settings{};
   if (ioctl(descriptor, TCGETS2, &settings) != 0) return {errno, std::generic_category()};
-  // The rate of input follows that of output while its own bits are clear, and keeps following it
-  // when a program that knows nothing of them sets another rate.
+  // The input rate follows the output rate while its own bits are clear, and keeps following it
+  // when a program that does not know these bits sets another rate.
   settings.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
   settings.c_cflag |= constant_of(baud);
   settings.c_ospeed = baud;

@@ -8,13 +8,13 @@
 
 namespace cargobay::hal {
 
-// Both directions, from now on, by the rate's constant if it has one, so that every program that
-// looks at the terminal sees the rate. What is still to be sent goes at the new rate, so drain
-// first. After an error the former rate holds.
+// Both directions, from now on, using the rate's constant if it has one, so that every program that
+// looks at the terminal sees the rate. Bytes still queued go out at the new rate, so drain first.
+// After an error the previous rate still applies.
 [[nodiscard]] std::error_code set_tty_speed(int descriptor, std::uint32_t baud);
 
-// The rate the terminal sends at; nothing where it is no terminal. On the master side of a
-// pseudo-terminal: the rate its slave side was set to.
+// The rate at which the terminal sends; nothing if it is not a terminal. On the master side of a
+// pseudo-terminal: the rate that its slave side was set to.
 std::optional<std::uint32_t> tty_speed(int descriptor);
 
 }  // namespace cargobay::hal

@@ -15,8 +15,8 @@
 namespace cargobay::hal {
 namespace {
 
-// The driver's queue is not the last one: a UART keeps bytes in a FIFO of its own. A port that
-// cannot tell counts as empty.
+// The driver's queue is not the last one: a UART has a FIFO of its own. A port that cannot report
+// its state counts as empty.
 bool hardware_is_empty(int descriptor) {
   int state = 0;
   return ioctl(descriptor, TIOCSERGETLSR, &state) != 0 || (state & TIOCSER_TEMT) != 0;
@@ -72,7 +72,7 @@ std::error_code TtyStream::set_baud(std::uint32_t baud) {
   return error;
 }
 
-// VMIN with VTIME 0 is honoured by poll() (n_tty_poll).
+// poll() honours VMIN if VTIME is 0 (n_tty_poll).
 std::error_code TtyStream::set_wake_threshold(std::size_t bytes) {
   if (!still_open()) return {EBADF, std::generic_category()};
   termios settings{};

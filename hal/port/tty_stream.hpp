@@ -1,5 +1,5 @@
 // A terminal's descriptor as a byte stream: what pseudo-terminals and serial ports have in common,
-// and all that the control thread calls. How the port was opened and set is another file's work.
+// and all that the control thread calls. Opening and setting up the port is done elsewhere.
 #pragma once
 
 #include <cstdint>
@@ -28,12 +28,12 @@ class TtyStream : public ByteStream {
   void sleep(rt::Duration duration) override;
 
  protected:
-  // The descriptor is the lock's; without a lock it is a process's only one, and nobody else closes
-  // it (the guard's).
+  // The descriptor belongs to the lock. Without a lock (in the guard), the process has no other,
+  // and nothing else closes it.
   TtyStream(int descriptor, std::uint32_t baud, std::unique_ptr<PortLock> lock)
       : lock_{std::move(lock)}, descriptor_{descriptor}, baud_{baud} {}
   int descriptor() const { return descriptor_; }
-  // Of the driver. Returns what it says.
+  // Sets the driver's rate. Returns the driver's error.
   virtual std::error_code apply_baud(std::uint32_t baud) = 0;
 
  private:

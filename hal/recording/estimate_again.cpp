@@ -16,7 +16,7 @@ namespace {
 
 using Reading = std::optional<rt::WheelEstimator::Reading>;
 
-// One a frame, of the bytes as they come.
+// One reading per frame, from the bytes as they come.
 class Readings {
  public:
   void add(std::span<const std::uint8_t> bytes) {
@@ -48,7 +48,7 @@ class Estimation {
   void take(const Entry& entry) {
     if (entry.kind == EntryKind::read) readings_.add(entry.bytes);
     if (entry.kind == EntryKind::wrote) written_ = true;
-    // What was written in a wait without a tick was the stop in a silence.
+    // A write in a wait without a tick was the stop in a silence.
     if (entry.kind == EntryKind::waited && std::exchange(written_, false)) command_ = {};
     if (entry.kind == EntryKind::state) take(entry.state);
   }
@@ -96,7 +96,7 @@ class Estimation {
 
   rt::WheelEstimator estimator_;
   Readings readings_;
-  rt::WheelSpeeds command_{};  // what acts
+  rt::WheelSpeeds command_{};  // the one in effect
   std::int64_t tick_ = 0;
   int since_read_ = 0;  // ticks
   bool started_ = false;

@@ -1,5 +1,5 @@
-// What the wheel estimator would have made of a recorded drive with other parameters: of the same
-// readings, while the robot did what it was told then.
+// What the wheel estimator would have made of a recorded drive with other parameters: from the same
+// readings, with the robot doing what it was told then.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ namespace cargobay::hal {
 struct EstimateDifference {
   std::uint64_t ticks = 0;
   rt::WheelSpeeds rms{};   // of the new estimate minus the recorded one
-  rt::WheelSpeeds most{};  // the largest, without its sign
+  rt::WheelSpeeds most{};  // the largest, unsigned
   rt::RemainderBelief recorded_belief = rt::RemainderBelief::unknown;  // at the end
   rt::RemainderBelief belief = rt::RemainderBelief::unknown;           // the same
 };
 
 // Compares up to the first missing block. With the recording's own parameters, and on a line that
-// nothing disturbed, there is no difference; of a lost frame it is not recorded whether it read the
-// counters, and those around it tell; a silence is accounted for at its end.
+// nothing disturbed, there is no difference. Whether a lost frame read the counters is not
+// recorded, and is inferred from the frames around it; a silence is accounted for at its end.
 EstimateDifference estimate_again(const Recording& recording,
                                   const rt::WheelEstimator::Parameters& parameters);
 

@@ -3,7 +3,7 @@
 namespace cargobay::hal {
 namespace {
 
-// The clock is first asked right behind the wait.
+// The clock is first asked right after the wait.
 void add(const Entry& entry, Exchange& exchange, bool& timed) {
   switch (entry.kind) {
     case EntryKind::clock:
@@ -35,7 +35,7 @@ std::vector<Exchange> exchanges(std::span<const Recording::Block> blocks) {
     if (entry.kind == EntryKind::waited) {
       all.push_back({.time = entry.time, .wait = entry.wait});
       timed = false;
-    } else if (!all.empty()) {  // before the first wait the clock is asked, no more
+    } else if (!all.empty()) {  // before the first wait, only the clock is asked
       add(entry, all.back(), timed);
     }
   }

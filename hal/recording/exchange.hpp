@@ -15,19 +15,19 @@
 
 namespace cargobay::hal {
 
-// One wait for the robot, and what became of it. In the steady state: a frame and its answer.
+// One wait for the robot, and what followed. In the steady state: a frame and its answer.
 struct Exchange {
   rt::TimePoint time{};  // when the wait was over
   ByteStream::Wait wait{};
   std::vector<std::uint8_t> read{};
   std::vector<std::uint8_t> written{};  // as far as the port took it
-  std::optional<CycleState> state{};    // where a frame came
+  std::optional<CycleState> state{};    // if a frame came
 };
 
 // Of checked blocks, oldest first.
 std::vector<Exchange> exchanges(std::span<const Recording::Block> blocks);
-// Of those that the recorder still holds, oldest first: the last so many frames, and what came
-// behind and between them. From any thread; allocates.
+// Of the blocks that the recorder still holds, oldest first: the last `frames` frames, and what
+// came between and after them. From any thread; allocates.
 std::vector<Exchange> last_exchanges(const FlightRecorder& recorder, std::size_t frames);
 
 }  // namespace cargobay::hal

@@ -112,7 +112,7 @@ void FlightRecorder::begin(EntryKind kind, std::size_t most_bytes) CARGOBAY_NONB
 
 void FlightRecorder::put(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
   [[maybe_unused]] const bool fits = entries_.append(bytes);
-  assert(fits);  // begin() saw to it
+  assert(fits);  // begin() made room
 }
 
 void FlightRecorder::put(std::uint8_t byte) CARGOBAY_NONBLOCKING { put({&byte, 1}); }
@@ -153,11 +153,11 @@ void FlightRecorder::close_block() CARGOBAY_NONBLOCKING {
   entries_.clear();
 }
 
-// Gives up the oldest blocks until so many words are free.
+// Gives up the oldest blocks until `words` are free.
 void FlightRecorder::make_room(std::uint64_t words) CARGOBAY_NONBLOCKING {
   const std::uint64_t needed = end_.load(std::memory_order_relaxed) + words;
   std::uint64_t oldest = oldest_.load(std::memory_order_relaxed);
-  while (needed - oldest > words_.size()) {  // at most once for each two of the words
+  while (needed - oldest > words_.size()) {  // at most once for every two words
     oldest += kHeadWords + words_of(length_of(word(oldest).load(std::memory_order_relaxed)));
   }
   // Before the words that overwrite them, each of which is stored with release.
@@ -169,7 +169,7 @@ bool FlightRecorder::next(Cursor& cursor, Block& block) const {
     const std::uint64_t end = end_.load(std::memory_order_acquire);  // pairs with close_block()
     cursor.word_ = std::max(cursor.word_, oldest_.load(std::memory_order_relaxed));
     if (cursor.word_ >= end) return false;
-    // Acquire: where a word is a newer one, the load of oldest_ below sees that it was overwritten.
+    // Acquire: if a word is newer, the load of oldest_ below sees that its block was overwritten.
     const std::uint64_t first = word(cursor.word_).load(std::memory_order_acquire);
     const auto length =
         static_cast<std::size_t>(std::min<std::uint64_t>(length_of(first), kMostBlockBytes));

@@ -1,11 +1,11 @@
-// Keeps the last minutes of what a control cycle learnt and did: what each wait, read and write
-// came to, what the clock said, and the state of each tick. A cycle that is given the same again
-// does the same again (hal/recording/replay.hpp).
+// Keeps the last minutes of what a control cycle received and did: the result of each wait, read
+// and write, what the clock said, and the state of each tick. A cycle that is given the same input
+// again does the same again (hal/recording/replay.hpp).
 //
 // The control thread writes, wait-free, into a ring that overwrites its oldest blocks: no heap, no
 // lock, no system call. Any number of other threads may read meanwhile, and never hold it up.
-// One tick is one block of about 140 bytes in the steady state, so that 1 MiB keeps about 7400, or
-// 110 s. Reaches back further while a robot is silent, less far where its bytes come in pieces.
+// In the steady state one tick is one block of about 140 bytes, so that 1 MiB keeps about 7400, or
+// 110 s. It reaches back further while a robot is silent, less far if its bytes come in pieces.
 #pragma once
 
 #include <atomic>
@@ -31,8 +31,8 @@ class FlightRecorder {
   explicit FlightRecorder(std::size_t bytes = kDefaultBytes);
 
   // From the control thread, in the order of what happened. waited() begins a block and state()
-  // ends one, so that the work for it comes behind the command; then readers can see it. At most
-  // kMostTransferBytes in a read or write.
+  // ends one, so that the work for it comes after the command; then readers can see it. At most
+  // kMostTransferBytes per read or write.
   void waited(ByteStream::Wait outcome) CARGOBAY_NONBLOCKING;
   void clock(rt::TimePoint now) CARGOBAY_NONBLOCKING;
   void read(std::span<const std::uint8_t> bytes, int error) CARGOBAY_NONBLOCKING;
@@ -40,11 +40,11 @@ class FlightRecorder {
       CARGOBAY_NONBLOCKING;
   void state(const CycleState& state) CARGOBAY_NONBLOCKING;
   void asked(const Request& request) CARGOBAY_NONBLOCKING;
-  // To be set in the cycle whose recorder this is; it calls state() and asked().
+  // Set this in the cycle that is recorded; it calls state() and asked().
   StateObserver observer();
-  // That the calls from the control thread touch, beside the recorder itself.
+  // The memory that the calls from the control thread touch, besides the recorder itself.
   std::span<const std::byte> memory() const { return std::as_bytes(std::span{words_}); }
-  // The last; makes everything visible.
+  // The last call; makes everything visible.
   void ended(CycleEnd end) CARGOBAY_NONBLOCKING;
 
   // As in hal/recording/recording_format.hpp.
@@ -53,13 +53,13 @@ class FlightRecorder {
     rt::TimePoint time{};
     std::vector<std::uint8_t> entries{};
   };
-  // Where a reader is; from the beginning at first, or from the oldest block that is still there.
+  // Where a reader is: at first the beginning, or the oldest block that is still there.
   class Cursor {
     friend class FlightRecorder;
     std::uint64_t word_ = 0;
   };
-  // From any thread, with a cursor of its own: the next block, false where there is none yet.
-  // Blocks that were overwritten before they were read are missing in `block.number`. Allocates.
+  // From any thread, with its own cursor: the next block; false if there is none yet. Blocks that
+  // were overwritten before they were read leave a gap in `block.number`. Allocates.
   bool next(Cursor& cursor, Block& block) const;
 
  private:

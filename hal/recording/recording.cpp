@@ -5,12 +5,12 @@
 namespace cargobay::hal {
 namespace {
 
-// Beyond any machine's time up, and far from where sums of times overflow.
+// Beyond any machine's uptime, and far from where sums of times overflow.
 constexpr std::uint64_t kMostTime = std::uint64_t{1} << 60U;
 
 bool take_errno(ByteReader& in, int& error) {
   std::uint64_t value = 0;
-  if (!in.take_short(value) || value > 4095) return false;  // as the kernel bounds it
+  if (!in.take_short(value) || value > 4095) return false;  // the kernel's bound
   error = static_cast<int>(value);
   return true;
 }
@@ -64,7 +64,7 @@ Failure damaged(std::size_t byte, const std::string& how) {
           " FILE > OTHER"};
 }
 
-// One block from the front of `in`; nothing where not all of it is there.
+// One block from the front of `in`; nothing if it is not all there.
 struct RawBlock {
   Recording::Block block{};
   bool sound = false;  // checksum and entries
@@ -139,7 +139,7 @@ bool EntryReader::take_state(CycleState& state) {
     return false;
   }
   state.arrival = time_ - rt::Duration{static_cast<std::int64_t>(since)};
-  state.mode = static_cast<oi::Mode>(mode);  // the robot's word, whatever it is
+  state.mode = static_cast<oi::Mode>(mode);  // as the robot sent it, known or not
   return in_.take(state.remainder, rt::RemainderBelief::lost) && in_.take(state.setpoint_lapsed) &&
          in_.take(state.battery_mv) && hal::take(in_, state.target) && hal::take(in_, state.set) &&
          hal::take(in_, state.estimate) && hal::take(in_, state.command);

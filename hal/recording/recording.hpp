@@ -1,4 +1,4 @@
-// A recording as it was read from a file: checked as a whole, then gone through entry by entry.
+// A recording read from a file: checked as a whole, then gone through entry by entry.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@
 
 namespace cargobay::hal {
 
-// One thing that happened. What its kind does not have is as it is here.
+// One thing that happened. Members that its kind does not have keep these values.
 struct Entry {
   EntryKind kind = EntryKind::clock;
-  rt::TimePoint time{};                   // what the clock had said last
+  rt::TimePoint time{};                   // what the clock last said
   ByteStream::Wait wait{};                // waited
   ByteStream::Transfer transfer{};        // read, wrote
   std::span<const std::uint8_t> bytes{};  // read: all of them; wrote: those offered
@@ -29,7 +29,7 @@ struct Entry {
   Request request{};                      // asked
 };
 
-// Goes through the entries of one block; they and what they point to are the block's.
+// Goes through the entries of one block, which they point into.
 class EntryReader {
  public:
   EntryReader(std::span<const std::uint8_t> entries, rt::TimePoint time)
@@ -47,7 +47,7 @@ class EntryReader {
   rt::TimePoint time_;
 };
 
-// A block as it stands in a file.
+// A block as it is in a file.
 std::vector<std::uint8_t> encode(const FlightRecorder::Block& block);
 
 class Recording {
@@ -58,18 +58,18 @@ class Recording {
     std::span<const std::uint8_t> entries{};
   };
 
-  // `file`: all of it; it outlives the recording. Fails for what is none, and for damage, saying at
-  // which byte: behind the name of the file the message makes a sentence.
+  // `file`: all of it; must outlive the recording. Fails if it is not a recording, and if it is
+  // damaged, saying at which byte: the message makes a sentence after the file's name.
   static Result<Recording> read(std::span<const std::uint8_t> file);
 
   const RecordingHeader& header() const { return header_; }
   const std::vector<Block>& blocks() const { return blocks_; }  // every entry in them is sound
-  // Bytes behind the last whole block, of one that was not finished: the power was cut, or the disk
-  // was full.
+  // Bytes after the last whole block of an unfinished recording: the power was cut, or the disk was
+  // full.
   std::size_t cut_off_bytes() const { return cut_off_bytes_; }
   // Blocks that are missing, at the beginning or between others.
   std::uint64_t missing_blocks() const { return missing_blocks_; }
-  // Blocks from the first up to the first that is missing; 0 where that is the very first.
+  // Blocks from the first up to the first missing one; 0 if that is the very first.
   std::size_t unbroken() const { return unbroken_; }
 
  private:
@@ -80,13 +80,12 @@ class Recording {
   std::size_t unbroken_ = 0;
 };
 
-// Goes through the entries of blocks that were checked, one behind the other. Cheap to copy, for a
-// look ahead.
+// Goes through the entries of checked blocks, one after another. Cheap to copy, to look ahead.
 class EntryCursor {
  public:
-  // The blocks outlive it.
+  // The blocks must outlive it.
   explicit EntryCursor(std::span<const Recording::Block> blocks) : blocks_{blocks} {}
-  // False behind the last.
+  // False after the last.
   bool next(Entry& entry);
 
  private:

@@ -9,7 +9,7 @@
 namespace cargobay::hal {
 namespace {
 
-// The recorder's ring holds a minute and more.
+// The recorder's ring holds more than a minute.
 constexpr std::chrono::seconds kPatience{1};
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) {

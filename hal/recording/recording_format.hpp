@@ -7,22 +7,21 @@
 //           control cycle, in the order of hal/recording/recording_header.cpp
 //           text: length(2) UTF-8
 //   block   length of the entries(4) number(4) time(8) entries CRC-32(4)
-//           number: from 0, one more for each; where one is missing, the recording has a gap
-//           time: what the clock said last before the block; only differences mean anything
+//           number: from 0, one more for each; if one is missing, the recording has a gap
+//           time: what the clock last said before the block; only differences mean anything
 //   entry   kind(1) and
 //           waited  outcome(1): 0 ready, 1 timed out, 2 hung up
 //           clock   nanoseconds since the clock was last asked(n)
-//           read    errno(n) count(n) the bytes that had come
+//           read    errno(n) count(n) the bytes that had arrived
 //           wrote   errno(n) bytes taken(n) bytes offered(n) the bytes offered
 //           state   nanoseconds since its arrival(n) tick(8) mode(1) remainder(1) lapsed(1)
 //                   battery in mV(4) target, set, estimate, command: left and right(8 each), IEEE
 //           ended   why(1), as enum class CycleEnd
-//           asked   for what(1), which extra lists(1), what if long(1), as hal/cycle/request.hpp
-//           has them;
+//           asked   for what(1), which extra lists(1), what if long(1): hal/cycle/request.hpp;
 //                   count(n) the bytes of a command; x, y, heading(8 each, IEEE)
 //           (n): unsigned, seven bits a byte, the least first, the top bit set in all but the last
 //
-// A CRC-32 is that of Ethernet and zip, over everything of its header or block before it.
+// A CRC-32 is that of Ethernet and zip, over everything before it in its header or block.
 #pragma once
 
 #include <array>
@@ -36,7 +35,7 @@
 
 namespace cargobay::hal {
 
-// The last four bytes are there to be spoilt by whatever takes the file for text.
+// The last four bytes are there to be spoilt by anything that takes the file for text.
 inline constexpr std::array<std::uint8_t, 8> kRecordingMagic{'C',  'B',  'R',  'E',
                                                              '\r', '\n', 0x1A, '\n'};
 inline constexpr std::uint16_t kRecordingVersion = 1;
@@ -58,8 +57,8 @@ constexpr std::array<std::uint8_t, sizeof(T)> little_endian(T value) CARGOBAY_NO
   return bytes;
 }
 
-// Takes values from the front of some bytes. Each function is false, with nothing to rely on, where
-// too few are left or they say what cannot be.
+// Takes values from the front of some bytes. Each function returns false, with nothing to rely on,
+// if too few bytes are left or their value is impossible.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_{bytes} {}
@@ -99,7 +98,7 @@ class ByteReader {
     rest_ = rest_.subspan(count);
     return true;
   }
-  // A number of (n) bytes.
+  // A number of the form (n).
   [[nodiscard]] bool take_short(std::uint64_t& value);
 
  private:

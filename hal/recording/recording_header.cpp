@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::size_t kMostTextBytes = 1000;
 
-// Texts are one line, and tell a terminal nothing.
+// Texts are one line, and contain nothing that controls a terminal.
 bool is_control(std::uint8_t character) { return character < 0x20 || character == 0x7F; }
 
 // Each of these calls `field` for all members in the order of the file. The bindings name every
-// member, so that one that was added and not recorded does not compile; a recording with another
-// list of them needs another version.
+// member, so that a member that is added but not recorded does not compile; a recording with
+// another list of members needs another version.
 template <typename Parameters, typename Field>
 void each_estimator_field(Parameters& parameters, const Field& field) {
   auto& [wheel_base_mm, tick_s, lag_s, input_delay_s, speed_noise_mm_s, droop_sd, decision_log_odds,
@@ -130,7 +130,7 @@ class Reader {
   void operator()(T& value) const {
     sound_ = in_->take(value) && sound_;
   }
-  // What no cycle can be set up with is damage, and must not reach its arithmetic.
+  // Values that no cycle can be set up with are damage, and must not reach its arithmetic.
   void operator()(double& value) const {
     sound_ = in_->take(value) && std::abs(value) < 1e9 && sound_;  // false for NaN
   }

@@ -1,5 +1,5 @@
-// What stands at the front of a recording: all that a control cycle is set up with, and where it
-// comes from.
+// The front of a recording: all that a control cycle is set up with, and where the recording comes
+// from.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace cargobay::hal {
 struct RecordingHeader {
   std::uint32_t baud = 0;
   std::int64_t started_ns = 0;  // since 1970 UTC
-  std::string software{};       // that recorded it, with its version; up to 1000 bytes, as `note`
+  std::string software{};       // that recorded it, with its version; up to 1000 bytes, like `note`
   std::string note{};           // what was driven, for people
   CycleParameters parameters{};
 };
@@ -29,7 +29,7 @@ struct DecodedHeader {
   RecordingHeader header{};
   std::size_t bytes = 0;  // of the file, up to the first block
 };
-// Fails for what is no recording, for one of another version, and for one that is damaged or cut.
+// Fails if it is not a recording, is of another version, or is damaged or cut off.
 Result<DecodedHeader> decode_header(std::span<const std::uint8_t> file);
 
 }  // namespace cargobay::hal

@@ -1,5 +1,5 @@
-// A byte stream that tells a flight recorder what the control thread does with it, and what comes
-// of it. Passes everything on; adds no system call.
+// A byte stream that reports to a flight recorder what the control thread does with it, and the
+// results. Passes everything on; adds no system call.
 #pragma once
 
 #include "hal/recording/flight_recorder.hpp"
@@ -9,12 +9,12 @@ namespace cargobay::hal {
 
 class RecordingStream final : public ForwardingStream {
  public:
-  // Both outlive it.
+  // Both must outlive it.
   RecordingStream(ByteStream& stream, FlightRecorder& recorder)
       : ForwardingStream{stream}, recorder_{recorder} {}
 
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
-  // At most kMostTransferBytes at once, as of a port that has or takes no more.
+  // At most kMostTransferBytes at once, as if the port had or took no more.
   Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
   Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
   rt::TimePoint now() const CARGOBAY_NONBLOCKING override;

@@ -1,5 +1,5 @@
-// Writes a recording while its robot drives: from a thread of its own, or, where time is virtual
-// and no thread would keep up, whenever it is told to.
+// Writes a recording while its robot drives: from its own thread, or, in virtual time, with which
+// no thread would keep up, whenever append() is called.
 #pragma once
 
 #include <condition_variable>
@@ -18,7 +18,7 @@ namespace cargobay::hal {
 
 class RecordingWriter {
  public:
-  // Begins the file. `recorder` outlives the writer. Blocks as RecordingFile does.
+  // Begins the file. `recorder` must outlive the writer. Blocks as RecordingFile does.
   static Result<std::unique_ptr<RecordingWriter>> create(OutputFile output,
                                                          const RecordingHeader& header,
                                                          const FlightRecorder& recorder);
@@ -27,13 +27,13 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  // As RecordingFile::publish(); before start().
+  // As RecordingFile::publish(); call before start().
   void publish() { file_.publish(); }
   // From now on a thread appends ten times a second.
   [[nodiscard]] std::error_code start();
-  // Without the thread: at least once for each minute of the robot's time.
+  // Without the thread: call at least once for each minute of the robot's time.
   void append() { file_.append(recorder_); }
-  // Ends the thread, appends the rest. What went wrong with the file, if anything.
+  // Ends the thread and appends the rest. Returns what went wrong with the file, if anything.
   const std::optional<Failure>& finish();
 
  private:

@@ -61,10 +61,10 @@ class Script {
 
   const ReplayResult& result() const { return result_; }
   rt::TimePoint time() const { return time_; }
-  // Nothing is recorded any more, or nothing of it holds any more.
+  // The recording has ended, or no longer matches.
   bool over() const { return exhausted_ || result_.difference.has_value(); }
 
-  // The next entry, where it is what the cycle asks for; nothing else is to be relied on.
+  // The next entry, if it is what the cycle asks for; otherwise `entry` means nothing.
   bool take(EntryKind asked, Entry& entry) {
     if (over()) return false;
     exhausted_ = !cursor_.next(entry);
@@ -81,7 +81,7 @@ class Script {
   }
 
   // What comes from outside shows in the recording only by what follows, or does not. The cycle
-  // looks for it once a wait: so it may as well come in the last one.
+  // looks for it once per wait, so it may as well come in the last one.
   bool ends_here(CycleEnd end) const {
     return waits_left_ == 0 && result_.end.value_or(CycleEnd::asked) == end;
   }
@@ -114,7 +114,7 @@ class Script {
     tick_ = recorded.tick;
   }
 
-  // What was wanted in the tick that the cycle is in.
+  // What was wanted in the present tick of the cycle.
   rt::WheelSpeeds wanted() const {
     Entry entry;
     for (EntryCursor ahead = cursor_; ahead.next(entry);) {
@@ -123,7 +123,7 @@ class Script {
     return {};
   }
 
-  // What others asked for, as the cycle takes it up in this pass.
+  // The requests of other threads, as the cycle takes them up in this pass.
   void give_requests(ControlCycle& cycle) const {
     Entry entry;
     for (EntryCursor ahead = cursor_; ahead.next(entry) && entry.kind != EntryKind::waited;) {
@@ -132,7 +132,7 @@ class Script {
   }
   void take_request() {
     Entry entry;
-    (void)take(EntryKind::asked, entry);  // a difference is noted
+    (void)take(EntryKind::asked, entry);  // take() notes a difference
   }
 
   void finish(CycleEnd end) {
@@ -173,12 +173,12 @@ class Script {
   ReplayResult result_{};
 };
 
-// Nobody waits for a replay: where it finds a difference, it allocates.
+// A replay is not in real time: if it finds a difference, it allocates.
 class ReplayStream final : public ByteStream {
  public:
   ReplayStream(Script& script, std::uint32_t baud) : script_{script}, baud_{baud} {}
 
-  // Before the cycle runs, which this outlives.
+  // Call before the cycle runs; this must outlive the run.
   void attach(ControlCycle& cycle) {
     cycle_ = &cycle;
     guard_.state.store(GuardState::driving);
@@ -192,7 +192,7 @@ class ReplayStream final : public ByteStream {
       if (script_.ends_here(CycleEnd::asked)) cycle_->request_stop();
       if (script_.ends_here(CycleEnd::guarded)) guard_.state.store(GuardState::taken);
       if (script_.ends_here(CycleEnd::guard_lost)) guard_.state.store(GuardState::guard_lost);
-      // A silence that it survived had been announced.
+      // A silence that the cycle survived had been announced.
       cycle_->expect_silence(script_.ends_here(CycleEnd::link_lost) ? rt::Duration::zero()
                                                                     : std::chrono::hours{1});
       script_.give_requests(*cycle_);
@@ -236,7 +236,7 @@ class ReplayStream final : public ByteStream {
   Script& script_;  // outlives it
   std::uint32_t baud_;
   ControlCycle* cycle_ = nullptr;
-  GuardBlock guard_{};  // nobody watches it
+  GuardBlock guard_{};  // no guard watches it
 };
 
 rt::WheelSpeeds wanted(void* context, const CycleState& /*state*/, double /*seconds*/)

@@ -1,11 +1,12 @@
-// Runs a control cycle on what another one learnt, and finds the first difference in what it does.
+// Runs a control cycle on what another one received, and finds the first difference in what it
+// does.
 //
 // The cycle is the shipping one, on a byte stream that returns what was recorded: the outcome of
 // each wait, the bytes of each read, the time whenever the clock is asked. It is compared in every
 // byte that it writes, in what it asks of the stream and in which order, and in the state of every
-// tick, bit for bit. What was wanted of the wheels is an input, and taken from the recording. When
-// a stop was asked for, a guard took the robot or a silence was announced is not recorded: it
-// follows from how the recording goes on.
+// tick, bit for bit. What was wanted of the wheels is an input, taken from the recording. When a
+// stop was requested, a guard took the robot or a silence was announced is not recorded: it is
+// inferred from how the recording goes on.
 #pragma once
 
 #include <cstdint>
@@ -30,11 +31,11 @@ struct ReplayResult {
   std::uint64_t frames = 0;    // states compared
   std::uint64_t commands = 0;  // writes compared
   std::optional<ReplayDifference> difference{};
-  std::optional<CycleEnd> end{};  // as recorded; nothing where the recording stops before
+  std::optional<CycleEnd> end{};  // as recorded; nothing if the recording stops before
 };
 
-// Compares up to the first missing block. Fails where that is the first of all: how the cycle began
-// is not known then. Takes a small part of the time that was recorded.
+// Compares up to the first missing block. Fails if that is the very first: then it is not known how
+// the cycle began. Takes a small fraction of the recorded time.
 Result<ReplayResult> replay(const Recording& recording);
 
 }  // namespace cargobay::hal

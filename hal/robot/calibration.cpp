@@ -22,7 +22,7 @@ void Calibration::prepare(CycleParameters& parameters) {
   constexpr double kAtOnce = 1e6;  // mm/s^2: the step is the robot's to answer
   parameters.loop.feedback = rt::WheelLoop::Feedback::open;
   parameters.loop.limits = {.acceleration_mm_s2 = kAtOnce};
-  parameters.loop.estimator.remainder.reset();  // so that readings come in rows and in windows
+  parameters.loop.estimator.remainder.reset();  // so that there are series of readings and windows
 }
 
 double Calibration::duration_s() CARGOBAY_NONBLOCKING { return begin_of(kLegs.size()); }
@@ -65,7 +65,7 @@ double Calibration::estimate(const rt::WheelEstimator::Parameters& parameters, W
   return estimator.log_likelihood();
 }
 
-// By golden sections: the likelihood has one top.
+// By golden-section search: the likelihood has a single maximum.
 double Calibration::likeliest_lag(rt::WheelEstimator::Parameters parameters) const {
   constexpr int kSteps = 16;  // to 0.2 ms
   constexpr double kSection = 1.0 / std::numbers::phi;
@@ -132,11 +132,11 @@ std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
   return std::nullopt;
 }
 
-// Of the turns about each wheel, when the lag is over: the wheel that is driven goes twice as far
-// as the robot.
+// From the turns about each wheel, once the lag is over: the driven wheel goes twice as far as the
+// robot.
 std::optional<Failure> Calibration::measure_droop(const Ways& ways,
                                                   CalibrationResult& result) const {
-  constexpr double kLagOver = 2.0;  // seconds: of the slowest
+  constexpr double kLagOver = 2.0;  // seconds, even for the slowest
   double left_mm_s = 0.0;
   double right_mm_s = 0.0;
   for (std::size_t i = 0; i < kLegs.size(); ++i) {
@@ -162,7 +162,7 @@ Result<CalibrationResult> Calibration::result(double delay_s) const {
     return Failure{"the drive ended before its time; nothing was measured: try again"};
   rt::WheelEstimator::Parameters parameters{.input_delay_s = delay_s};
   CalibrationResult result;
-  // The wheel base makes millimetres of degrees, and so takes part in the rest.
+  // The wheel base converts degrees to millimetres, and so affects the rest.
   for (int round = 0; round < 2; ++round) {
     double most = -1e300;
     for (const rt::Remainder kind : {rt::Remainder::carried, rt::Remainder::lost}) {

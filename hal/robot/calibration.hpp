@@ -2,9 +2,9 @@
 // droop of the wheels, and what becomes of the remainder of distance and angle.
 //
 // Ahead and back for lag and droop; then turns about each wheel for the wheel base: with one wheel
-// still, the way of the other is twice the distance that the robot reports, and the same way over
-// the wheel base is the angle. No ruler is needed, and no estimate of anything else. Afterwards the
-// robot stands about where it began.
+// still, the other travels twice the distance that the robot reports, and this travel divided by
+// the wheel base is the angle. No ruler is needed, and no estimate of anything else. At the end the
+// robot is about where it began.
 #pragma once
 
 #include <array>
@@ -26,37 +26,37 @@ struct CalibrationResult {
   double wheel_base_mm = 0.0;
   double wheel_base_spread_mm = 0.0;  // between the turns: greatest less least
   double lag_s = 0.0;
-  double droop_left = 0.0;  // part of the command that the wheel falls short by
+  double droop_left = 0.0;  // fraction of the command by which the wheel falls short
   double droop_right = 0.0;
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
 };
 
 class Calibration {
  public:
-  // `speed_mm_s` 100 to 400: of the wheels; ahead it goes about twice as many mm.
+  // `speed_mm_s`, 100 to 400, of the wheels; the robot goes ahead about twice as many mm.
   explicit Calibration(double speed_mm_s) : speed_mm_s_{speed_mm_s} {}
 
-  // How the cycle is to be set up for it: open loop, steps of the command.
+  // How to set up the cycle for it: open loop, steps of the command.
   static void prepare(CycleParameters& parameters);
   static double duration_s() CARGOBAY_NONBLOCKING;
 
-  // What the wheels shall do; from the control thread.
+  // What the wheels should do; from the control thread.
   rt::WheelSpeeds at(double seconds) const CARGOBAY_NONBLOCKING;
 
-  // Each state of the drive, in order; from one thread.
+  // Call with each state of the drive, in order; from one thread.
   void see(const CycleState& state);
-  // Fails where the robot did not do what it was told, saying what to look at. `delay_s` is that of
-  // the parameters' estimator. Takes some tenths of a second: the lag and the kind of remainder are
-  // those with which what the robot said is most likely (rt/wheel_estimator.hpp).
+  // Fails if the robot did not do what it was told, saying what to look at. `delay_s` is that of
+  // the parameters' estimator. Takes some tenths of a second: finds the lag and the kind of
+  // remainder that make the robot's readings most likely (rt/wheel_estimator.hpp).
   Result<CalibrationResult> result(double delay_s) const;
 
  private:
   struct Leg {
-    double left = 0.0;  // parts of the speed
+    double left = 0.0;  // fractions of the speed
     double right = 0.0;
     double drive_s = 0.0;
   };
-  static constexpr double kSettle = 1.0;  // seconds, from the first frame on, and behind each leg
+  static constexpr double kSettle = 1.0;  // seconds, from the first frame on, and after each leg
   static constexpr double kTurn = 6.0;    // seconds
   static constexpr std::array<Leg, 6> kLegs{
       {{1, 1, 2}, {-1, -1, 2}, {0, 1, kTurn}, {0, -1, kTurn}, {1, 0, kTurn}, {-1, 0, kTurn}}};
@@ -65,18 +65,19 @@ class Calibration {
     rt::WheelSpeeds command{};  // that answered it
     std::optional<rt::WheelEstimator::Reading> reading{};
   };
-  // The way up to each tick.
+  // Travel up to each tick.
   struct Way {
     double distance_mm = 0.0;
     double turn_rad = 0.0;
   };
   using Ways = std::vector<Way>;
 
-  // Estimates the drive with these parameters: how likely its readings are then, and the way.
+  // Estimates the drive with these parameters. Returns the log-likelihood of its readings; stores
+  // the travel in `ways` unless null.
   double estimate(const rt::WheelEstimator::Parameters& parameters, Ways* ways) const;
-  // The lag with which they are most likely, between these two.
+  // The lag, from kLeastLag to kMostLag, with which they are most likely.
   double likeliest_lag(rt::WheelEstimator::Parameters parameters) const;
-  // What was gone between two instants of the pattern.
+  // Travel between two instants of the pattern.
   Way between(const Ways& ways, double from_s, double to_s) const;
   static double begin_of(std::size_t leg) CARGOBAY_NONBLOCKING;
   std::optional<Failure> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;

@@ -8,8 +8,8 @@
 
 namespace cargobay::hal {
 
-// Not std::thread: where all memory is locked, its 8 MiB of stack would be too, and it would have
-// the real-time priority of a caller that has one.
+// Not std::thread: if all memory is locked, its 8 MiB of stack would be too, and it would inherit a
+// caller's real-time priority.
 std::error_code PortWatch::start(std::string port, LookUp look_up) {
   constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
   port_ = std::move(port);

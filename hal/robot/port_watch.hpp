@@ -1,5 +1,5 @@
-// While a robot is driven: finds out who else has its port open as soon as frames go missing, since
-// whoever reads there takes bytes of them.
+// While a robot is driven: finds out which other processes have its port open as soon as frames go
+// missing, since any reader there takes bytes from them.
 #pragma once
 
 #include <pthread.h>
@@ -21,9 +21,9 @@ namespace cargobay::hal {
 
 class PortWatch {
  public:
-  // What the loop has got so far. Called on the watch's thread, five times a second.
+  // What the loop has received so far. Called on the watch's thread, five times a second.
   struct Progress {
-    std::uint64_t missed = 0;  // frames, damaged or never come
+    std::uint64_t missed = 0;  // frames that were damaged or never came
     std::int64_t tick = 0;
   };
   using LookUp = std::function<Progress()>;
@@ -34,15 +34,15 @@ class PortWatch {
   PortWatch(const PortWatch&) = delete;
   PortWatch& operator=(const PortWatch&) = delete;
 
-  // Starts an ordinary thread, which takes no signals. When `look_up`, which outlives it, tells of
-  // more missed frames it looks at every process's files, at most once in kPause. Once; allocates.
-  // Returns an error where there is no thread: then nobody looks.
+  // Starts an ordinary thread, which takes no signals. When `look_up`, which must outlive it,
+  // reports more missed frames, it looks at every process's files, at most once per kPause. Call
+  // once; allocates. Returns an error if no thread could be started: then nothing looks.
   [[nodiscard]] std::error_code start(std::string port, LookUp look_up);
-  // Waits for the thread, and for its look: some ms, or some hundred. Idempotent.
+  // Waits for the thread, and for a look in progress: some ms, or a few hundred. Idempotent.
   void stop();
 
-  // Takes an EventKind::port_shared of a process that was not told of before; false where there is
-  // none. From any thread; locks.
+  // Takes an EventKind::port_shared about a process not reported before; false if there is none.
+  // From any thread; locks.
   bool next(Event& event);
 
   static constexpr std::chrono::milliseconds kPeriod{200};
@@ -55,7 +55,7 @@ class PortWatch {
 
   std::string port_;
   LookUp look_up_;
-  std::vector<pid_t> told_;  // the thread's own
+  std::vector<pid_t> told_;  // used by the thread only
   std::mutex mutex_;
   std::condition_variable ending_changed_;
   bool ending_ = false;

@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstPause{50};
 constexpr milliseconds kLongestPause{400};
-constexpr milliseconds kLook{20};  // at most so long until a cancellation is noticed
+constexpr milliseconds kLook{20};  // a cancellation is noticed within this time
 
 class Attempts {
  public:
@@ -30,7 +30,7 @@ class Attempts {
       if (over()) return given_up();
       auto reconnection = attempt();
       if (reconnection) return reconnection;
-      // Ours, where the time is over: what failed before it says more.
+      // Our own cancellation when time is up: what failed before it says more.
       if (reconnection.failure().code != std::errc::interrupted)
         last_failure_ = reconnection.failure();
     }

@@ -1,4 +1,4 @@
-// From a link that was lost to a robot that is under control again, as soon as its port is back.
+// From a lost link to a robot under control again, as soon as its port is back.
 #pragma once
 
 #include <functional>
@@ -15,12 +15,12 @@
 
 namespace cargobay::hal {
 
-// Whether another link may come after a cycle that ended so. Not after a mode that was lost: why
-// the robot stopped is for somebody to look at.
+// Whether to reconnect after a cycle that ended like this. Not after a lost mode: a person should
+// look at why the robot stopped.
 bool may_reconnect(CycleEnd end);
 
-// How long to wait before the next attempt: the first comes at once, the next after 50 ms, then
-// after twice as long each time, 400 ms at most: a port that is back is found within that.
+// How long to wait before the next attempt: none before the first, 50 ms before the second, then
+// twice as long each time, 400 ms at most, so that a port that is back is found within that time.
 class BackOff {
  public:
   rt::Duration next();
@@ -29,7 +29,7 @@ class BackOff {
   rt::Duration next_{0};
 };
 
-// The machine, as reconnect() sees it; tests have another.
+// The machine as reconnect() sees it; tests replace it.
 struct PortSurroundings {
   std::function<std::vector<PortInfo>()> ports = serial_ports;
   std::function<Result<OpenedPort>(const std::string& path, std::uint32_t baud)> open = open_port;
@@ -41,24 +41,24 @@ struct ReconnectRequest {
   PortIdentity port{};  // taken while the port was there
   std::uint32_t baud = 0;
   RobotOptions robot{};                              // `cancelled` ends the waiting as well
-  rt::Duration patience = std::chrono::seconds{30};  // with everything that it takes
+  rt::Duration patience = std::chrono::seconds{30};  // for everything together
   PortSurroundings surroundings{};
 };
 
 struct Reconnection {
   Robot::Owned robot{};  // brought up, not started
   std::string path{};    // of the port, where it is now
-  std::string remark{};  // of OpenedPort
+  std::string remark{};  // as in OpenedPort
 };
 
-// Looks for the port, opens it and brings the robot up, again and again until that is done. The
-// stream of the former link must be closed by now: while it is open the kernel does not give its
+// Looks for the port, opens it and brings the robot up, again and again until that succeeds. The
+// stream of the former link must be closed by now: while it is open, the kernel does not give its
 // name to the port that comes back. Blocks for up to `patience`, not on a real-time thread; waits
 // without using the CPU; allocates. After a failure, which says what was tried last, no port is
 // open.
 //
-// A robot that plays a script with a wait in it is silent without being gone: for its cycle that is
-// announced by ControlCycle::expect_silence(), or allowed for by its link_timeout.
+// A robot that plays a script with a wait in it is silent but not gone: announce that to its cycle
+// with ControlCycle::expect_silence(), or allow for it in link_timeout.
 Result<Reconnection> reconnect(const ReconnectRequest& request);
 
 }  // namespace cargobay::hal

@@ -38,7 +38,7 @@ constexpr const char* kGuardLost = "the guard process died or was suspended";
 constexpr const char* kGuardRemedy =
     "find out who did that (dmesg tells of memory running out), then start again";
 
-// A robot that was lifted sees cliffs as well.
+// A robot that was lifted also sees cliffs.
 std::string remedy(Hazards causes) {
   if (causes.has(Hazard::wheel_drop_left) || causes.has(Hazard::wheel_drop_right) ||
       causes.has(Hazard::wheel_drop_front)) {
@@ -68,7 +68,7 @@ Robot::~Robot() { (void)stop(); }
 void Robot::Deleter::operator()(Robot* robot) const {
   (void)robot->stop();
   if (robot->lost()) {
-    // Where a leak checker sees that it is no leak.
+    // Kept where a leak checker sees that it is not a leak.
     static std::mutex keeping;
     static std::vector<Robot*>& kept = *new std::vector<Robot*>;
     const std::lock_guard lock{keeping};
@@ -106,7 +106,7 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
     (void)stop();  // the failure is what matters
     return Failure{std::string{kGuardLost} + ", and the robot was not driven; " + kGuardRemedy};
   }
-  // The thread waits for the verdict: without the rights required the robot never moves.
+  // The thread waits for the decision: without the required rights the robot never moves.
   rt::RealtimeRequest wanted = options_.realtime;
   wanted.memory = memory_of_loop();
   rt::RealtimeGrant grant = thread_.start(wanted, [this] {
@@ -129,20 +129,20 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   return grant;
 }
 
-// On the control thread. The robot is left before anybody asks what became of it: the program may
+// On the control thread. The robot is left before anyone asks what became of it: the program may
 // not look for a long time.
 void Robot::run() {
   Guard* const guard = duty_->guard();
   if (guard != nullptr) guard->begin_driving();
   const CycleEnd end = cycle_->run();
-  if (!ended()) note_end(end);  // else it was given up, and what is recorded is read already
+  if (!ended()) note_end(end);  // else it was given up, and its recording has been read
   if (guard != nullptr) guard->end_driving();
   ended_.store(true, std::memory_order_release);
   doorbell_.ring();
   leave();
 }
 
-// All that a pass touches, but for code and what the control function has of its own.
+// All that a pass touches, except code and the control function's own memory.
 std::vector<rt::Memory> Robot::memory_of_loop() const {
   const auto on_heap = [](const void* object) {
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it only asks
@@ -156,7 +156,7 @@ std::vector<rt::Memory> Robot::memory_of_loop() const {
   return memory;
 }
 
-// Without it the robot drives as well.
+// The robot drives without it too.
 void Robot::start_port_watch() {
   const int descriptor = stream_->terminal().descriptor;
   if (descriptor < 0) return;
@@ -171,13 +171,13 @@ void Robot::start_port_watch() {
   });
 }
 
-// By the control thread, or by the owner that has given it up: whoever comes first.
+// Called by the control thread, or by the owner that has given it up: whichever comes first.
 void Robot::leave() {
   if (left_.exchange(true)) return;
   Guard* const guard = duty_->guard();
   if (guard != nullptr && guard->took_robot())
     cycle_end_.store(CycleEnd::guarded, std::memory_order_relaxed);
-  // One farewell is enough for a robot that was silent for a second.
+  // One farewell is enough for a robot that has been silent for a second.
   const bool silent = cycle_end_.load(std::memory_order_relaxed) == CycleEnd::link_lost;
   const bool guard_tries = silent && guard != nullptr && guard->alive();
   farewell_.robot = guard_tries ? duty_->discharge_after(Parting::unconfirmed)
@@ -185,11 +185,11 @@ void Robot::leave() {
 }
 
 void Robot::note_end(CycleEnd end) {
-  cycle_end_.store(end, std::memory_order_relaxed);  // whoever sees ended_ sees it
+  cycle_end_.store(end, std::memory_order_relaxed);  // whoever sees ended_ sees this
   recorder_.ended(end);
 }
 
-// Recorded first: whoever is woken may look.
+// Record first: whoever is woken may look.
 StateObserver Robot::observer() {
   constexpr auto kSee = [](void* robot, const CycleState& state) CARGOBAY_NONBLOCKING {
     static_cast<Robot*>(robot)->recorder_.state(state);
@@ -229,13 +229,13 @@ RecordingHeader Robot::recording_header() const {
           .parameters = options_.cycle};
 }
 
-// In slices: a machine that stood still as a whole has had one of them.
+// In slices: a machine that was suspended as a whole has used up only one of them.
 bool Robot::ends_in_time() {
   constexpr int kSlices = 10;
   for (int i = 0; i < kSlices; ++i) {
     const std::uint32_t rings = doorbell_.rings();
     if (ended()) return true;
-    (void)doorbell_.wait(rings, rt::Clock::now() + kLoopEnds / kSlices);  // looked at above
+    (void)doorbell_.wait(rings, rt::Clock::now() + kLoopEnds / kSlices);  // the loop looks
   }
   return ended();
 }
@@ -246,7 +246,7 @@ void Robot::abandon() {
   if (Guard* const guard = duty_->guard()) guard->take_over();
   cycle_end_.store(CycleEnd::guarded, std::memory_order_relaxed);
   ended_.store(true, std::memory_order_release);
-  doorbell_.ring();  // for those who wait for a frame
+  doorbell_.ring();  // for threads that wait for a frame
   farewell_.robot = duty_->discharge();
 }
 
@@ -272,9 +272,9 @@ bool Robot::stalled() const {
 Robot::Farewell Robot::end_so_far() const {
   const CycleEnd end = cycle_end_.load(std::memory_order_relaxed);  // ended() ordered it
   const bool abandoned = end == CycleEnd::guarded && !guard_has_taken();
-  // The causes are the control thread's, and it may still be away in another end than this.
+  // The causes belong to the control thread, which may still be away if the end is another.
   return {.end = end,
-          .robot = {.parting = Parting::standing},  // nothing to say of it yet
+          .robot = {.parting = Parting::standing},  // nothing to report about it yet
           .abandoned = abandoned,
           .causes = end == CycleEnd::mode_lost ? cycle_->mode_loss_causes() : Hazards{},
           .port_error = end == CycleEnd::hung_up ? cycle_->port_error() : 0};
@@ -287,7 +287,7 @@ Robot::Farewell Robot::stop() {
     abandon();
   } else {
     thread_.join();
-    if (stepped_) (void)step(rt::TimePoint::max());  // its end, as it was asked to
+    if (stepped_) (void)step(rt::TimePoint::max());  // its end, as requested
     leave();                                         // unless the thread has
     farewell_.causes = cycle_->mode_loss_causes();
     farewell_.port_error = cycle_->port_error();

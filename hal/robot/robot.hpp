@@ -26,48 +26,47 @@ namespace cargobay::hal {
 struct RobotOptions {
   ControlCycle::Parameters cycle{};
   rt::RealtimeRequest realtime{};
-  bool require_realtime = false;  // what the kernel refuses is a failure, not a remark
-  GuardOptions guard{};           // of a robot behind a terminal; in virtual time nobody dies
-  std::size_t recorder_bytes = FlightRecorder::kDefaultBytes;  // of memory, for what happened last
+  bool require_realtime = false;  // a refusal by the kernel is a failure, not a remark
+  GuardOptions guard{};           // for a robot on a terminal; virtual time has no guard
+  std::size_t recorder_bytes = FlightRecorder::kDefaultBytes;  // of memory, for the last events
   // For the bring-up, as in BringUpRequest; the pins are not touched after open().
   RobotPins pins{};
   std::function<void(const BringUpEvent&)> progress{};
   std::function<bool()> cancelled{};
 };
 
-// All functions from one thread, except where the ControlCycle says otherwise.
+// Call all functions from one thread, unless the ControlCycle says otherwise.
 class Robot {
  public:
-  // Stops it, and frees nothing where the control thread is lost(): it may come back to the robot.
+  // Stops it, and frees nothing if the control thread is lost(): it may come back to the robot.
   struct Deleter {
     void operator()(Robot* robot) const;
   };
   using Owned = std::unique_ptr<Robot, Deleter>;
 
   // Starts the guard and brings the robot up at the stream's rate; blocks as bring_up() does. After
-  // a failure it was told to stop and go Passive, by the guard if need be; the message says so if
-  // it may be moving. The stream is closed.
+  // a failure the robot has been told to stop and go Passive, by the guard if need be; the message
+  // says so if it may be moving. The stream is closed.
   static Result<Owned> open(std::unique_ptr<ByteStream> stream, const RobotOptions& options);
-  // Stops, if stop() was not called.
+  // Stops, unless stop() was called.
   ~Robot();
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  // Starts the real-time thread, once. A failure leaves the robot standing.
+  // Starts the real-time thread; call once. A failure leaves the robot standing.
   Result<rt::RealtimeGrant> start(const ControlFunction& control);
-  // The same where time is virtual: no thread. step() is what runs the cycle, on the
-  // calling thread, until it has answered a frame, has ended, or `deadline` on the stream's clock
-  // has passed.
+  // The same in virtual time: no thread. step() runs the cycle on the calling thread until it has
+  // answered a frame, has ended, or `deadline` on the stream's clock has passed.
   void start_stepped(const ControlFunction& control);
   enum class Stepped : std::uint8_t { frame, timed_out, ended };
   Stepped step(rt::TimePoint deadline);
   // The running cycle: state, setpoints, request_stop().
   ControlCycle& cycle() { return *cycle_; }
   const BringUpReport& bring_up_report() const { return report_; }
-  // From one other thread: what happened to the robot or its port, the oldest first; false where
-  // nothing did. Locks.
+  // From one other thread: events of the robot or its port, oldest first; false if there are none.
+  // Locks.
   bool next_event(Event& event) { return cycle_->next_event(event) || port_watch_.next(event); }
-  // What the cycle has learnt and done lately, for hal/recording/recording_file.hpp; from any
+  // What the cycle has received and done lately, for hal/recording/recording_file.hpp; from any
   // thread.
   const FlightRecorder& flight_recorder() const { return recorder_; }
   // The header of a recording that begins now.
@@ -77,28 +76,28 @@ class Robot {
     CycleEnd end = CycleEnd::asked;
     Discharge robot{};             // what became of it
     bool abandoned = false;        // the control thread has not come back
-    Hazards causes{};              // of mode_lost; none where no sensor said why
+    Hazards causes{};              // of mode_lost; none if no sensor said why
     int port_error = 0;            // errno of the call that ended the cycle; 0 if none did
-    std::vector<Exchange> last{};  // of kLastFrames, where the cycle ended by itself
+    std::vector<Exchange> last{};  // the last kLastFrames, if the cycle ended by itself
   };
   static constexpr std::size_t kLastFrames = 10;
-  // Ends the cycle and its thread, which leaves the robot as soon as the cycle has ended, for
-  // whatever reason and whether or not this is called. Blocks for up to 2 s, at 19200 baud 3 s. A
-  // control thread that has not come back from the control function within kLoopEnds is abandoned:
-  // the robot is left without it, and from then on nothing that it does reaches the robot.
+  // Ends the cycle and its thread. The thread leaves the robot as soon as the cycle has ended, for
+  // whatever reason, even if this is not called. Blocks for up to 2 s, at 19200 baud 3 s. A control
+  // thread that has not come back from the control function within kLoopEnds is abandoned: the
+  // robot is left without it, and from then on nothing that the thread does reaches the robot.
   Farewell stop();
   static constexpr rt::Duration kLoopEnds = std::chrono::milliseconds{500};
-  // After stop(): whether the control thread was abandoned, and is still away. From the first such
-  // answer on this object, with all that it refers to, is the thread's, and must stay.
+  // After stop(): whether the control thread was abandoned and is still away. Once this is true,
+  // this object, with all that it refers to, belongs to the thread and must stay.
   [[nodiscard]] bool lost();
-  // The loop has not come round for the guard's deadline, or the guard has taken the robot. In real
-  // time; from any thread.
+  // The loop has not completed a pass within the guard's deadline, or the guard has taken the
+  // robot. In real time; from any thread.
   bool stalled() const;
-  // Whether the cycle has ended, by itself or when asked.
+  // Whether the cycle has ended, by itself or on request.
   bool ended() const { return ended_.load(std::memory_order_acquire); }
-  // Then: what stop() will say of it, as far as it is known before.
+  // After that: what stop() will report, as far as it is already known.
   Farewell end_so_far() const;
-  // Rings once a frame and at the end of the cycle; from any thread.
+  // Rings once per frame and at the end of the cycle; from any thread.
   rt::Doorbell& doorbell() { return doorbell_; }
   std::uint32_t baud() const { return stream_->baud(); }
   // From the robot's tick to the arrival of the command that answers its frame.
@@ -123,25 +122,25 @@ class Robot {
   RobotOptions options_;
   BringUpReport report_;
   FlightRecorder recorder_;
-  RecordingStream recorded_;  // stream_ as the cycle has it
+  RecordingStream recorded_;  // stream_ as the cycle sees it
   std::unique_ptr<ControlCycle> cycle_;
   std::unique_ptr<Duty> duty_;  // ends before its stream
   rt::RealtimeThread thread_;
-  PortWatch port_watch_;  // of cycle_
+  PortWatch port_watch_;  // looks at cycle_
   enum class Permission : std::uint8_t { pending, run, refused };
-  std::atomic<Permission> permission_{Permission::pending};  // by what the kernel granted
-  std::atomic<CycleEnd> cycle_end_{CycleEnd::asked};         // farewell_ is the owner's
+  std::atomic<Permission> permission_{Permission::pending};  // depends on what the kernel granted
+  std::atomic<CycleEnd> cycle_end_{CycleEnd::asked};         // farewell_ belongs to the owner
   std::atomic<bool> ended_{false};
   bool stepped_ = false;  // start_stepped() was called
   rt::Doorbell doorbell_{};
-  std::atomic<bool> left_{false};  // by leave()
-  bool stopped_ = false;           // by stop()
+  std::atomic<bool> left_{false};  // the robot is being left, or has been
+  bool stopped_ = false;           // stop() was called
   bool lost_ = false;
   Farewell farewell_{};
 };
 
-// One line: why the cycle ended, what became of the robot, and what to do. Empty if it was asked to
-// end and the robot stands.
+// One line: why the cycle ended, what became of the robot, and what to do. Empty if the end was
+// requested and the robot stands.
 std::string explain(const Robot::Farewell& farewell);
 
 }  // namespace cargobay::hal

@@ -145,7 +145,7 @@ Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
 
 Hazards hazards_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   using Drop = oi::Bump;
-  const auto drops = frame.bumps_and_wheel_drops();  // what the frame has not got reads 0
+  const auto drops = frame.bumps_and_wheel_drops();  // packets that the frame does not have read 0
   Hazards found;
   if (drops.has(Drop::wheel_drop_left)) found = found.with(Hazard::wheel_drop_left);
   if (drops.has(Drop::wheel_drop_right)) found = found.with(Hazard::wheel_drop_right);

@@ -1,5 +1,5 @@
-// What happened to the robot that its program, or whoever stands beside it, may want to know: plain
-// data, through a ring from the control thread to one other.
+// Events of the robot that its program, or a person beside it, may want to know about: plain data,
+// through a ring from the control thread to one other.
 #pragma once
 
 #include <array>
@@ -29,18 +29,18 @@ enum class Hazard : std::uint8_t {
 };
 using Hazards = oi::BitSet<Hazard>;
 
-// What a frame tells of them; none where it has no packet that would.
+// What a frame says about them; none if it has no packet that would.
 Hazards hazards_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
 
 // The bumper's two sides.
 using Bumps = oi::BitSet<oi::Bump>;
-// None where the frame has no packet that would tell.
+// None if the frame has no packet that would show them.
 Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
 
 // Each has its row in events.cpp: name, payload, words.
 enum class EventKind : std::uint8_t {
-  mode_lost,     // the robot left the mode it was driven in by itself
-  rearmed,       // it is back in it, as requested
+  mode_lost,     // by itself, the robot left the mode it was driven in
+  rearmed,       // it is back in that mode, as requested
   rearm_failed,  // it was told to go back, and did not
   battery_low,
   battery_recovered,
@@ -82,7 +82,7 @@ struct Event {
   EventKind what = EventKind::mode_lost;
   std::int64_t tick = 0;  // of the robot, as in CycleState: the newest frame when it was noticed
   rt::TimePoint time{};   // on the stream's clock
-  // As payload() of the kind says.
+  // Set as far as payload() says for the kind.
   oi::Mode mode = oi::Mode::off;
   Hazards hazards{};
   oi::BitSet<oi::Overcurrent> overcurrents{};
@@ -90,22 +90,22 @@ struct Event {
   std::uint32_t frames = 0;
   Bumps bumps{};
   std::int32_t process = 0;
-  std::array<char, 16> process_name{};  // as the kernel has it, with a 0 behind it
+  std::array<char, 16> process_name{};  // as the kernel stores it, 0-terminated
 };
 
-// An event that finds it full is dropped and counted.
+// An event that finds the ring full is dropped and counted.
 inline constexpr std::size_t kMostEvents = 256;
 using EventRing = rt::SpscRing<Event, kMostEvents>;
 
-// By which programs know it: "mode_lost".
+// The name used by programs: "mode_lost".
 std::string_view name(EventKind what);
 std::string_view name(Hazard hazard);
 Payload payload(EventKind what);
 
 // In words, one line without the time: "the robot went from its mode to passive: a cliff at the
-// front left". Allocates; for port_shared it looks at the process for what to do about it.
+// front left". Allocates; for port_shared it looks at the process to say what to do about it.
 std::string describe(const Event& event);
-// "the left wheel hangs in the air and a cliff at the left"; empty where there is none. Allocates.
+// "the left wheel hangs in the air and a cliff at the left"; empty if there is none. Allocates.
 std::string describe(Hazards hazards);
 
 }  // namespace cargobay::hal

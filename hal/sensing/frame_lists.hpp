@@ -1,5 +1,5 @@
 // The lists of packets that the loop streams, one at a time. All make frames of the same length, so
-// one wake-up a frame serves any of them; why of 16 bytes: docs/decisions/0005.
+// that one wake-up threshold serves any of them; for why it is 16 bytes, see docs/decisions/0005.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@ enum class FrameList : std::uint8_t {
   reading,  // reads the counters for distance and angle
   hazards,  // cliffs and overcurrents
   battery,
-  // Only where somebody asks for them:
+  // Only on request:
   signals_left,   // wall, cliffs left and front left, as strengths
   signals_right,  // cliffs front right and right, the inputs of the cargo bay
   outputs,        // what the robot was told: songs, stream, speeds
 };
 
-// The OI mode travels in every frame: the mode is the robot's to say.
+// Every frame carries the OI mode: only the robot knows its mode.
 //
-// Distance and angle, with the infrared byte and the buttons; wheel drops and the charger, which no
-// frame with cliffs and charger together has room for.
+// Distance and angle, with the infrared byte and the buttons; also wheel drops and the charger,
+// since no frame has room for both cliffs and charger.
 inline constexpr oi::StreamList kReadingList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
     oi::PacketId::oi_mode, oi::PacketId::group_2, oi::PacketId::bumps_and_wheel_drops,
     oi::PacketId::charging_sources);
@@ -44,7 +44,7 @@ inline constexpr oi::StreamList kSignalsRightList =
         oi::PacketId::oi_mode, oi::PacketId::cliff_front_right_signal,
         oi::PacketId::cliff_right_signal, oi::PacketId::digital_inputs,
         oi::PacketId::analog_signal);
-// The mode is in it.
+// Includes the mode.
 inline constexpr oi::StreamList kOutputsList =
     oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(oi::PacketId::group_5);
 
@@ -54,7 +54,7 @@ static_assert(kFrameBytes == oi::frame_bytes(kBatteryList));
 static_assert(kFrameBytes == oi::frame_bytes(kSignalsLeftList));
 static_assert(kFrameBytes == oi::frame_bytes(kSignalsRightList));
 static_assert(kFrameBytes == oi::frame_bytes(kOutputsList));
-// Ends on the mark of the PL011's FIFO, on every Raspberry Pi: no wait for its time-out.
+// A multiple of half the PL011's FIFO, on every Raspberry Pi: no wait for its receive time-out.
 static_assert(kFrameBytes % oi::kPl011HalfFifoPi0To3 == 0);
 static_assert(kFrameBytes % oi::kPl011HalfFifoPi4And5 == 0);
 
@@ -70,7 +70,7 @@ constexpr const oi::StreamList& packets(FrameList list) {
   return kReadingList;
 }
 
-// The list that a frame with these values is of; nothing for any other frame of the same length.
+// The list of a frame with these values; nothing for any other frame of the same length.
 inline std::optional<FrameList> list_of(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   using enum oi::PacketId;
   if (!frame.has(oi_mode)) return std::nullopt;
@@ -83,7 +83,7 @@ inline std::optional<FrameList> list_of(const oi::SensorValues& frame) CARGOBAY_
   return std::nullopt;
 }
 
-// Those that are streamed on request only, in the order of FrameList.
+// Those that are streamed only on request, in the order of FrameList.
 enum class ExtraList : std::uint8_t { signals_left, signals_right, outputs };
 using ExtraLists = oi::BitSet<ExtraList>;
 inline constexpr int kExtraLists = 3;

@@ -1,6 +1,6 @@
-// Which list the next frame is of. The loop says when it needs the counters; the frames between are
-// for the rest that the robot tells. Where the loop needs every frame, now and then it goes without
-// one: the next reading covers both ticks, and nothing is lost.
+// Which list the next frame carries. The loop says when it needs the counters; the frames in
+// between carry everything else that the robot reports. A loop that needs every frame does without
+// one now and then: the next reading covers both ticks, and nothing is lost.
 #pragma once
 
 #include "hal/sensing/frame_lists.hpp"
@@ -10,27 +10,27 @@ namespace cargobay::hal {
 
 class FrameRotation {
  public:
-  // What the loop needs of the next frame.
+  // What the loop needs from the next frame.
   enum class Counters : std::uint8_t {
-    wanted,   // in each frame, to find out what kind of robot it is
-    welcome,  // in each frame, but every other one will do
+    wanted,   // in every frame, to find out what kind of robot it is
+    welcome,  // in every frame, but every other one will do
     not_wanted,
   };
 
-  // Longer than the row of readings by which the kind of robot is found out (rt/read_schedule.hpp):
-  // that one is not broken.
+  // Longer than the series of readings that shows the kind of robot (rt/read_schedule.hpp), so that
+  // the series is not interrupted.
   static constexpr int kMostReadingsInARow = 15;
   // About a second between two looks at the battery.
   static constexpr int kBatteryTicks = 64;
 
-  // These have every other of the frames without counters, in turn, until it is said otherwise.
+  // Gives these lists every other frame without counters, in turn, until the next call.
   void stream(ExtraLists extras) CARGOBAY_NONBLOCKING { extras_ = extras; }
   // One frame of each of these, soon.
   void look_at(ExtraLists extras) CARGOBAY_NONBLOCKING {
     once_ = ExtraLists{static_cast<std::uint8_t>(once_.raw() | extras.raw())};
   }
 
-  // Once a tick. No allocation.
+  // Call once a tick. No allocation.
   FrameList next(Counters counters) CARGOBAY_NONBLOCKING {
     ++ticks_since_battery_;
     if (counters != Counters::not_wanted && readings_in_a_row_ < most_readings(counters)) {
@@ -55,7 +55,7 @@ class FrameRotation {
     const bool others_wait = extras_.any() || once_.any();
     return counters == Counters::welcome && others_wait ? 1 : kMostReadingsInARow;
   }
-  // The one behind the last; `lists` is not empty.
+  // The next one after the last; `lists` is not empty.
   ExtraList next_of(ExtraLists lists) CARGOBAY_NONBLOCKING {
     for (int i = 0; i < kExtraLists; ++i) {
       last_extra_ = (last_extra_ + 1) % kExtraLists;

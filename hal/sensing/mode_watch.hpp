@@ -1,8 +1,8 @@
-// Whether the robot is in the mode that it is driven in; when it left it by itself, why.
+// Whether the robot is in the mode that it is driven in; if it left it by itself, why.
 //
-// The frame that shows the new mode may not have the packets that show the cause. Then it is looked
-// for in the next frames, of the lists that wanted() asks for: a tick later a cliff is still under
-// the sensor, a wheel in the air, the charger plugged in.
+// The frame that shows the new mode may lack the packets that show the cause. The cause is then
+// looked for in the next frames, of the lists that wanted() asks for: a tick later a cliff is still
+// under the sensor, a wheel in the air, the charger plugged in.
 #pragma once
 
 #include <cstdint>
@@ -21,29 +21,29 @@ class ModeWatch {
  public:
   enum class State : std::uint8_t {
     driving,    // in the mode
-    searching,  // not in it, the cause is looked for
+    searching,  // not in it; looking for the cause
     lost,       // not in it
     rearming,   // told to go back to it
   };
-  // Frames until it is given up: to find the cause; to be in the mode again.
+  // Frames until giving up: on finding the cause; on being in the mode again.
   static constexpr int kSearchFrames = 4;
   static constexpr int kRearmFrames = 20;
 
   explicit ModeWatch(oi::Mode drive_mode) : drive_mode_{drive_mode} {}
 
-  // Each frame. Returns what is to be told: mode_lost, once the cause is known or given up; rearmed
-  // or rearm_failed.
+  // Call for each frame. Returns what to report: mode_lost, once the cause is known or given up;
+  // rearmed or rearm_failed.
   std::optional<EventKind> see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
-  // The robot was told to go back to its mode. Only a robot that has lost it can be.
+  // The robot was told to go back to its mode. Only after it has lost the mode.
   void rearm() CARGOBAY_NONBLOCKING { begin(State::rearming); }
 
   State state() const CARGOBAY_NONBLOCKING { return state_; }
   oi::Mode drive_mode() const CARGOBAY_NONBLOCKING { return drive_mode_; }
-  // By the last frame that said; Off before.
+  // According to the last frame that had it; Off before.
   oi::Mode mode() const CARGOBAY_NONBLOCKING { return mode_; }
-  // What was seen since the mode was lost, or since rearm().
+  // What has been seen since the mode was lost, or since rearm().
   Hazards causes() const CARGOBAY_NONBLOCKING { return causes_; }
-  // The list whose frame would tell more of the cause.
+  // The list whose frame would show more of the cause.
   FrameList wanted() const CARGOBAY_NONBLOCKING {
     return saw_cliffs_ ? FrameList::reading : FrameList::hazards;
   }

@@ -3,7 +3,7 @@
 namespace cargobay::hal {
 namespace {
 
-// A battery that waits to be charged, or cannot be, is not charged.
+// A battery that waits to be charged, or cannot be, does not count as charging.
 bool charges(const BatteryState& battery) CARGOBAY_NONBLOCKING {
   using oi::ChargingState;
   return battery.charging == ChargingState::reconditioning ||
@@ -33,7 +33,7 @@ void PowerWatch::see_overcurrents(oi::BitSet<oi::Overcurrent> now) CARGOBAY_NONB
     (void)news_.push_back({.what = EventKind::overcurrent_began, .overcurrents = begun});
   } else if (ended) {
     (void)news_.push_back({.what = EventKind::overcurrent_ended});
-  }  // has room for one of each watch: kMostNews
+  }  // has room for one from each watch: kMostNews
 }
 
 void PowerWatch::see_battery(const BatteryState& now) CARGOBAY_NONBLOCKING {

@@ -1,4 +1,4 @@
-// Battery, charger and overcurrents: what changes is told once.
+// Battery, charger and overcurrents: reports each change once.
 #pragma once
 
 #include "hal/sensing/events.hpp"
@@ -11,25 +11,25 @@ namespace cargobay::hal {
 // One thread; no clock, no allocation.
 class PowerWatch {
  public:
-  // Low below either of the low ones; recovered above both of the others. A robot with ordinary
-  // batteries in its holder knows no capacity: then the voltage decides alone.
+  // Low below either of the low limits; recovered above both of the others. A robot with ordinary
+  // batteries in its holder knows no capacity: then the voltage alone decides.
   struct Limits {
     std::int32_t low_mv = 13'200;  // 1.1 V for each of twelve cells
     std::int32_t recovered_mv = 13'800;
     double low_part = 0.10;  // of the capacity
     double recovered_part = 0.15;
   };
-  // So many readings in a row, about a second apart: wheels that start draw the voltage down for a
-  // moment.
+  // This many readings in a row, about a second apart: wheels that start pull the voltage down for
+  // a moment.
   static constexpr int kReadings = 3;
   static constexpr std::size_t kMostNews = 4;
   using News = oi::FixedList<Event, kMostNews>;  // without tick and time
 
   explicit PowerWatch(const Limits& limits) : limits_{limits} {}
 
-  // Each frame. Returns what is to be told; valid until the next.
+  // Call for each frame. Returns what to report; valid until the next call.
   const News& see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
-  // All 0 until the first frame that tells.
+  // All 0 until the first frame that has them.
   const BatteryState& battery() const CARGOBAY_NONBLOCKING { return battery_; }
 
  private:
@@ -41,7 +41,7 @@ class PowerWatch {
   Limits limits_;
   BatteryState battery_{};
   bool low_ = false;
-  int otherwise_ = 0;  // readings in a row that say the other of low_
+  int otherwise_ = 0;  // readings in a row that contradict low_
   oi::BitSet<oi::Overcurrent> overcurrents_{};
   News news_{};
 };

@@ -1,4 +1,4 @@
-// The latest value of each packet, and the tick of the frame that told it: one atomic word a
+// The latest value of each packet, and the tick of the frame that carried it: one atomic word per
 // packet, from the control thread to any number of others.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace cargobay::hal {
 
-// What the board showed: each packet by itself, not all of one instant.
+// What the board showed: each packet on its own, not all from one instant.
 struct SensorReadings {
   static constexpr std::size_t kSlots = oi::kLastPacket + 1U;  // by the packet's number
   static constexpr std::int64_t kNever = -1;
@@ -32,7 +32,7 @@ class SensorBoard {
     frame.visit([&](oi::PacketId packet, std::int32_t value) CARGOBAY_NONBLOCKING {
       const auto id = static_cast<std::size_t>(packet);
       if (id >= kSlots) return;  // of a later robot
-      // Relaxed: the word carries all there is to know of this packet.
+      // Relaxed: the word is all there is to know about this packet.
       words_[id].store(tick | static_cast<std::uint32_t>(value), std::memory_order_relaxed);
     });
   }

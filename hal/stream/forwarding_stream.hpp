@@ -1,5 +1,5 @@
-// A stream in front of another one, which lives longer: all goes straight through, but what a
-// deriving class takes part in.
+// A wrapper around another stream: everything goes straight through, except what a derived class
+// overrides.
 #pragma once
 
 #include "hal/stream/byte_stream.hpp"
@@ -8,7 +8,7 @@ namespace cargobay::hal {
 
 class ForwardingStream : public ByteStream {
  public:
-  // `stream` outlives it.
+  // `stream` must outlive it.
   explicit ForwardingStream(ByteStream& stream) : stream_{stream} {}
 
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override { return stream_.wait(deadline); }

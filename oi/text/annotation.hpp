@@ -1,4 +1,4 @@
-// A remark on some bytes, and who it is told to.
+// A remark on some bytes, and the sink that receives it.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct Annotation {
     opcode,
     argument,
     element,  // a packet of a list, a note
-    command,  // behind all bytes of a whole command: these bytes, and its text form
+    command,  // after all bytes of a whole command: these bytes, and its text form
     unknown_opcode,
     // What the robot sends.
     header,
@@ -27,20 +27,20 @@ struct Annotation {
     value,
     checksum,
     printed,  // text
-    stray,    // bytes of nothing known
+    stray,    // bytes that belong to nothing known
     // Either.
-    missing,  // the end, where bytes should follow: `bytes` is empty
+    missing,  // the end, although bytes should follow: `bytes` is empty
   };
   Kind kind = Kind::stray;
   std::size_t offset = 0;  // of the first of the bytes
   std::span<const std::uint8_t> bytes{};
   std::string_view text{};  // what they mean; valid during the call
-  bool sound = true;        // false where the manual does not allow this
+  bool sound = true;        // false if the manual does not allow this
   bool in_script = false;
 };
 
-// Refers to what is called with each annotation, in the order of the bytes: a lambda that is not
-// mutable, say. Whatever it is outlives the sink.
+// Refers to what is called with each annotation, in the order of the bytes: for example a lambda
+// that is not mutable. It must outlive the sink.
 class AnnotationSink {
  public:
   template <typename Callable>
@@ -61,7 +61,7 @@ class AnnotationSink {
 // How the description ended.
 struct Described {
   std::size_t unsound = 0;  // annotations that are not sound
-  std::size_t needed = 0;   // so many more bytes, at least, end what was cut short
+  std::size_t needed = 0;   // at least this many more bytes complete what was cut short
 };
 
 // Words annotations and counts the unsound ones.
@@ -75,7 +75,7 @@ class Annotator {
     words_.clear();
     return words_;
   }
-  // Tells of bytes with what words() has been given.
+  // Reports bytes with what words() has been given.
   void tell(Annotation::Kind kind, std::size_t offset, std::size_t count, bool sound = true) {
     tell_text(kind, offset, count, words_.text(), sound);
   }
@@ -89,7 +89,7 @@ class Annotator {
            .sound = sound,
            .in_script = in_script_});
   }
-  // The bytes end where so many more should follow.
+  // The bytes end although `needed` more should follow.
   void tell_missing(std::size_t needed) {
     described_.needed = needed;
     TextWriter& text = words();

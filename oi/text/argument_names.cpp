@@ -110,7 +110,7 @@ constexpr std::array<NamedArgument, 10> kNamedArguments{{{"code", kRates},
                                                          {"state", kStreamStates},
                                                          {"event", kEvents}}};
 
-// Every name is of an argument that the command table has, and stands for a value it accepts.
+// Every name belongs to an argument in the command table, and means a value that it accepts.
 constexpr bool accepts_all(const NamedArgument& named, std::span<const ArgumentInfo> arguments,
                            bool& found) {
   for (const ArgumentInfo& argument : arguments) {

@@ -14,7 +14,7 @@ namespace cargobay::oi {
 
 struct ValueName {
   std::string_view name;
-  std::int32_t value = 0;  // of a bit set: the one bit that is meant
+  std::int32_t value = 0;  // for a bit set: that one bit
 };
 
 // A bit set is written as the names of its bits with commas between; kNoBits for none.
@@ -23,17 +23,17 @@ constexpr bool is_bit_set(const ArgumentInfo& argument) {
 }
 inline constexpr std::string_view kNone = "none";
 
-// All names for values of this argument of the command table; most have none. Those of a baud code
-// are the rates, in digits.
+// All names for values of this argument of the command table; most arguments have none. Those of a
+// baud code are the rates, in digits.
 std::span<const ValueName> value_names(const ArgumentInfo& argument);
 
-// The name of a value, empty where it has none; and back.
+// The name of a value, empty if it has none; and back.
 std::string_view value_name(const ArgumentInfo& argument, std::int32_t value);
 std::optional<std::int32_t> named_value(const ArgumentInfo& argument, std::string_view name);
 
-// A value by name where it has one, else in digits.
+// A value by name if it has one, else in digits.
 void write_value(TextWriter& out, const ArgumentInfo& argument, std::int32_t value);
-// What the argument may be, for a person: `-2000 to 2000 mm, or straight, clockwise or
+// What the argument may be, in words: `-2000 to 2000 mm, or straight, clockwise or
 // counter_clockwise`.
 void write_choice(TextWriter& out, const ArgumentInfo& argument);
 

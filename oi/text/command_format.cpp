@@ -25,7 +25,7 @@ void write_raw(TextWriter& out, Bytes bytes) {
   }
 }
 
-// A whole command with values in range that is no script.
+// A whole command with values in range that is not a script.
 void write_plain(TextWriter& out, const CommandInfo& info, Bytes bytes) {
   out.put(info.key);
   bytes = bytes.subspan(1);
@@ -52,7 +52,8 @@ void write_plain(TextWriter& out, const CommandInfo& info, Bytes bytes) {
   }
 }
 
-// The commands in it, divided as the robot divides them; what is none, or holds a script, as bytes.
+// The commands in it, divided as the robot divides them; whatever is not a command, or is a script,
+// as bytes.
 void write_script(TextWriter& out, const CommandInfo& info, Bytes body) {
   out.put(info.key);
   out.put(" {");

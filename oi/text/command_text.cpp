@@ -16,8 +16,8 @@ namespace {
 
 using Code = TextError::Code;
 
-// The manual writes some negative values as what their bytes are without a sign: FF38, 251 for
-// event -5, 255 for demo -1, 32768 for straight on. Taken where nothing else could be meant.
+// The manual writes some negative values as their bytes read without a sign: FF38, 251 for event
+// -5, 255 for demo -1, 32768 for straight on. Accepted if nothing else could be meant.
 std::int32_t with_sign(const ArgumentInfo& argument, std::int32_t number, bool hexadecimal) {
   if (!argument.is_signed) return number;
   const std::int32_t span = argument.size == 2 ? 0x10000 : 0x100;
@@ -72,7 +72,7 @@ class Encoder {
     return put(static_cast<std::uint8_t>(raw), at);
   }
 
-  // Up to the end or a closing brace. `around` is the entry of the script they are in, or null.
+  // Up to the end or a closing brace. `around` is the entry of the enclosing script, or null.
   bool commands(const CommandInfo* around) {
     const std::size_t begin = size_;
     for (;;) {
@@ -157,7 +157,7 @@ class Encoder {
     return value(info, argument, word, number) && put_number(argument, number, word);
   }
 
-  // One or, with commas between, several.
+  // One packet, or several separated by commas.
   bool packets(const CommandInfo& info, const Word& word) {
     for (std::size_t begin = 0; begin < word.text.size();) {
       const std::size_t comma = std::min(word.text.find(',', begin), word.text.size());
@@ -208,7 +208,7 @@ class Encoder {
 
   bool bad_value(const CommandInfo& info, const ArgumentInfo& argument, const Word& word) {
     NearestName nearest{word.text};
-    // A rate is digits: none of them is near a word.
+    // A rate is digits: none of them resembles a word.
     if (argument.name != "code") {
       for (const ValueName& name : value_names(argument)) nearest.consider(name.name);
     }

@@ -10,7 +10,7 @@
 //
 // Commands are separated by `;` or the end of a line; `#` begins a comment. Numbers are decimal or
 // hexadecimal (0x1f); in hexadecimal a negative one is its two's complement, as the manual writes
-// it. In a script `bytes 137 1` stands for bytes that are no whole command.
+// it. In a script, `bytes 137 1` gives bytes that are not a whole command.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ struct TextError {
     missing_argument,
     extra_argument,
     bad_value,     // neither a number nor a name that the argument knows
-    out_of_range,  // a number that the manual's range does not have
+    out_of_range,  // a number outside the manual's range
     bad_note,      // not number:duration
     too_many,      // packets or notes: `limit` is the most
     no_script,     // `script` without `{`
@@ -45,7 +45,7 @@ struct TextError {
   };
   Code code = Code::unknown_command;
   std::size_t position = 0;                // of the word, in bytes from the beginning of the text
-  std::size_t length = 0;                  // of the word; 0 where something is missing
+  std::size_t length = 0;                  // of the word; 0 if something is missing
   const CommandInfo* command = nullptr;    // whose argument it is
   const ArgumentInfo* argument = nullptr;  // with its range and unit
   std::string_view hint{};                 // a name that was probably meant
@@ -53,12 +53,12 @@ struct TextError {
 };
 
 struct TextResult {
-  std::size_t bytes = 0;  // written to `out`; 0 where there is an error
+  std::size_t bytes = 0;  // written to `out`; 0 after an error
   std::optional<TextError> error{};
 };
 
-// Text to bytes. A text without any command gives none, and no error. After an error `out` holds
-// nothing of use.
+// Text to bytes. A text without any command gives none, and no error. After an error the contents
+// of `out` are useless.
 TextResult encode_text(std::string_view text, std::span<std::uint8_t> out);
 
 // Room for the text of any command: 255 packets with the longest name.
@@ -70,19 +70,19 @@ inline constexpr std::size_t kMaxCommandText = [] {
 }();
 
 // One whole command as text that encode_text() turns into the same bytes: one spelling for each,
-// names rather than numbers. Returns the characters written; 0 where the bytes are not one command
-// of the manual with values in range, or `out` is too small.
+// names rather than numbers. Returns the characters written; 0 if the bytes are not one command of
+// the manual with values in range, or `out` is too small.
 std::size_t format_command(std::span<const std::uint8_t> command, std::span<char> out);
 
-// One line for a person: where, what is wrong, and what would be right. `text` is the one that the
-// error is about. Cut off where `out` ends; 400 characters are enough.
+// One line for a user: where, what is wrong, and what would be right. `text` is the one that the
+// error is about. Cut off at the end of `out`; 400 characters are enough.
 std::size_t format_error(const TextError& error, std::string_view text, std::span<char> out);
 
-// What stands in a script for bytes that are no whole command, or one with values out of range.
+// The word in a script for bytes that are not a whole command, or one with values out of range.
 inline constexpr std::string_view kRawBytesKey = "bytes";
 
-// The argument that the text has in this place, as an index of the arguments on the wire: of these
-// two commands the wire has right before left and driver 2 before driver 0.
+// The argument at this place in the text, as an index into the arguments on the wire: in these two
+// commands the wire has right before left and driver 2 before driver 0.
 constexpr std::size_t wire_place(const CommandInfo& info, std::size_t text_place) {
   const bool reversed = info.opcode == 144 || info.opcode == 145;
   return reversed ? info.argument_count - 1U - text_place : text_place;

@@ -1,4 +1,4 @@
-// What is wrong with a text of commands, for a person: format_error().
+// What is wrong with a text of commands, in words: format_error().
 #include <algorithm>
 
 #include "oi/text/argument_names.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 using Code = TextError::Code;
 
-// `column 7: `, behind `line 2, ` where there are several. Both count from 1.
+// `column 7: `, after `line 2, ` if there are several lines. Both count from 1.
 void write_place(TextWriter& out, std::string_view text, std::size_t position) {
   position = std::min(position, text.size());
   const std::string_view before = slice(text, 0, position);
@@ -26,7 +26,7 @@ void write_place(TextWriter& out, std::string_view text, std::size_t position) {
   out.put(": ");
 }
 
-// A word as it was written, so much of it as can be printed on a line.
+// A word as it was written, as far as it can be printed on a line.
 void write_word(TextWriter& out, std::string_view word) {
   constexpr std::size_t kMost = 40;
   out.put("'");

@@ -93,7 +93,7 @@ class CommandDescriber {
     tell_.tell(Kind::unknown_opcode, at_++, 1, false);
   }
 
-  // The opcode and as much behind it as is there.
+  // The opcode and as much after it as is there.
   void command(const CommandInfo& info, std::size_t end) {
     TextWriter& out = tell_.words();
     out.put(info.name);
@@ -116,10 +116,10 @@ class CommandDescriber {
     }
   }
 
-  // False where the bytes end before.
+  // False if the bytes end before the number does.
   bool number(Kind kind, const ArgumentInfo& argument, std::size_t end, std::int32_t& value) {
     if (end - at_ < argument.size) {
-      // Half a number is shown by itself.
+      // Half a number is shown on its own.
       if (at_ < end) {
         tell_.words().put(argument.name);
         tell_.tell(kind, at_, end - at_);
@@ -151,7 +151,8 @@ class CommandDescriber {
     in_script_ = true;
     tell_.enter_script();
     const bool whole = script_end - at_ == length;
-    // A script cut short is no shorter script: what is there is described, and the end is missing.
+    // A script cut short is not a shorter script: what is there is described, and the end is
+    // missing.
     if (whole) {
       commands(script_end);
     } else {
@@ -161,7 +162,8 @@ class CommandDescriber {
     in_script_ = false;
   }
 
-  // The last of these may be cut short by the end of all bytes; its caller says how many follow.
+  // The last of these may be cut short by the end of all bytes; the caller reports how many are
+  // missing.
   void commands_of_part(std::size_t end) {
     while (at_ < end) {
       const ParseResult parsed = parse_command(bytes_.subspan(at_, end - at_));

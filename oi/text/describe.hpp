@@ -1,5 +1,5 @@
-// What bytes of the Open Interface mean, one by one, in words. For people: a tool, a log, a test
-// that fails. No heap; each description is handed over piece by piece.
+// What bytes of the Open Interface mean, one by one, in words. For people: a tool, a log, a failing
+// test. No heap; each description is handed over piece by piece.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace cargobay::oi {
 
-// Bytes that the host sends: opcode, arguments in the order of the wire, and behind each command
-// its text form. Bytes in a script are annotated too, with `in_script`.
+// Bytes that the host sends: opcode, arguments in wire order, and after each command its text form.
+// Bytes in a script are annotated too, with `in_script`.
 Described describe_commands(std::span<const std::uint8_t> bytes, AnnotationSink sink);
 
-// Bytes that the robot sends by itself: stream frames of either checksum, and the text it prints.
+// Bytes that the robot sends unasked: stream frames of either checksum, and the text it prints.
 // Replies have no frame around them: here they are stray bytes.
 Described describe_stream(std::span<const std::uint8_t> bytes, AnnotationSink sink);
 
@@ -23,7 +23,7 @@ Described describe_stream(std::span<const std::uint8_t> bytes, AnnotationSink si
 Described describe_reply(std::span<const PacketId> packets, std::span<const std::uint8_t> bytes,
                          AnnotationSink sink);
 
-// A single packet's value with what it means: `16254 mV`, `2 (safe)`, `3 (bump_right, bump_left)`.
+// A single packet's value and its meaning: `16254 mV`, `2 (safe)`, `3 (bump_right, bump_left)`.
 void write_sensor_value(TextWriter& out, PacketId packet, std::int32_t value);
 
 }  // namespace cargobay::oi

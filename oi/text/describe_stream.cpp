@@ -72,8 +72,8 @@ class StreamDescriber {
   }
 
  private:
-  // Bytes of a frame at the beginning of these; 0 where there is none. One with a wrong checksum
-  // counts unless a right one begins inside it.
+  // Length of the frame that these bytes begin with; 0 if there is none. A frame with a wrong
+  // checksum counts unless one with a right checksum begins inside it.
   static std::size_t whole_frame(Bytes bytes) {
     const std::size_t length = well_formed(bytes);
     if (length == 0 || checksum_matches(bytes.first(length), Checksum::automatic)) return length;
@@ -91,7 +91,7 @@ class StreamDescriber {
     return is_well_formed(bytes.first(length), item_sizes(Extensions::off)) ? length : 0;
   }
 
-  // How many bytes are missing where these can be the beginning of a frame; 0 where not, or where a
+  // How many bytes are missing if these can be the beginning of a frame; 0 if they cannot, or if a
   // whole frame is inside.
   static std::size_t needed_for_frame(Bytes bytes) {
     if (bytes[0] != kFrameHeader) return 0;
@@ -174,12 +174,12 @@ class StreamDescriber {
         out.put(" to ");
         out.put_number(single.max);
       }
-      tell_.tell(Kind::value, at_, single.size);  // a robot may say so: it is delivered
+      tell_.tell(Kind::value, at_, single.size);  // a robot may send this, and it is delivered
       at_ += single.size;
     }
   }
 
-  // What is there of it.
+  // As much of the packet as is there.
   void part_of_packet(const PacketInfo& info) {
     for (std::uint8_t id = info.first; id <= info.last && at_ < bytes_.size(); ++id) {
       const PacketInfo& single = *find_packet(id);
@@ -208,7 +208,7 @@ class StreamDescriber {
     return tell_.described();
   }
 
-  // Text, a line at a time, or a run of anything else up to where text or a frame begins.
+  // Text, a line at a time, or a run of anything else up to the next text or frame.
   void between_frames() {
     const std::size_t begin = at_;
     if (const std::size_t length = text_length(); length != 0) {
@@ -222,7 +222,7 @@ class StreamDescriber {
     tell_.words().put("in no frame");
     tell_.tell(Kind::stray, begin, at_ - begin, false);
   }
-  // Of the line of text that begins here; 0 where it is too short to be meant.
+  // Length of the line of text that begins here; 0 if it is too short to be meant as text.
   std::size_t text_length() const {
     constexpr std::size_t kLeast = 4;
     constexpr std::size_t kMost = 100;

@@ -1,4 +1,4 @@
-// Letters of names that may be written either way. ASCII only: no locale has a say.
+// For letters of names in either case. ASCII only: independent of the locale.
 #pragma once
 
 namespace cargobay::oi {

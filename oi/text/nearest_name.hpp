@@ -1,4 +1,4 @@
-// The name that somebody who wrote a word wrongly probably meant.
+// The name that a misspelt word probably meant.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace cargobay::oi {
 
-// Consider every name, then ask. A word in capitals, with hyphens, or with a letter in three added,
-// lost or changed is near.
+// Consider every name, then ask. A word is near a name if it differs only in capitals, hyphens, or
+// one letter in three added, lost or changed.
 class NearestName {
  public:
   constexpr explicit NearestName(std::string_view word) : word_{word} {}
@@ -23,7 +23,7 @@ class NearestName {
     best_ = distance;
     name_ = name;
   }
-  // Empty where none is near.
+  // Empty if none is near.
   constexpr std::string_view name() const { return name_; }
 
  private:
@@ -34,7 +34,7 @@ class NearestName {
     return letter == '-' ? '_' : letter;
   }
 
-  // Levenshtein's, a row at a time.
+  // Levenshtein distance, one row at a time.
   constexpr std::size_t distance_to(std::string_view name) const {
     std::array<std::size_t, kLongest + 1> row{};
     for (std::size_t i = 0; i <= name.size(); ++i) row[i] = i;

@@ -52,13 +52,13 @@ class RtttlReader {
     error_ = {what, position + 1};
     return false;
   }
-  // The next character that is no white space, in lower case; 0 at the end.
+  // The next character that is not white space, in lower case; 0 at the end.
   char peek() {
     while (position_ < text_.size() && is_space(text_[position_])) ++position_;
     return position_ < text_.size() ? lower(text_[position_]) : '\0';
   }
   std::size_t next_position() {
-    (void)peek();  // for what it skips
+    (void)peek();  // called to skip white space
     return position_;
   }
   bool at_end() { return peek() == '\0' && position_ == text_.size(); }
@@ -67,7 +67,7 @@ class RtttlReader {
     ++position_;
     return true;
   }
-  // Nothing where there is no digit; what is too large for any use here stays too large.
+  // Nothing if there is no digit; a number too large for any use here stays too large.
   std::optional<int> number() {
     if (!is_digit(peek())) return std::nullopt;
     int value = 0;
@@ -135,7 +135,7 @@ class RtttlReader {
 
   bool notes(Tune& notes) {
     do {
-      if (at_end()) break;  // behind a comma too many, which ring tones do have
+      if (at_end()) break;  // after a superfluous comma, which ring tones do have
       const std::size_t begin = next_position();
       Written written;
       if (!note(written)) return false;
@@ -167,8 +167,8 @@ class RtttlReader {
     return true;
   }
 
-  // Time is counted in parts of 1/64 s of which a dotted 1/64 note has a whole number at any tempo:
-  // a beat is a quarter, so a whole note lasts 240 s / b.
+  // Time is counted in a fraction of 1/64 s of which a dotted 1/64 note is a whole number at any
+  // tempo: a beat is a quarter, so a whole note lasts 240 s / b.
   bool sound(const Written& written, Tune& notes) {
     const std::int64_t whole = std::int64_t{240} * 64 * 2 * kMaxDivision;
     const std::int64_t half = whole / written.division / 2;
@@ -187,8 +187,8 @@ class RtttlReader {
   std::string_view text_;
   std::size_t position_ = 0;
   Defaults defaults_{};
-  std::int64_t time_ = 0;     // of the next note, exactly
-  std::int64_t sounded_ = 0;  // and in 1/64 s
+  std::int64_t time_ = 0;     // start of the next note, exact
+  std::int64_t sounded_ = 0;  // the same in 1/64 s
   RtttlError error_{};
 };
 

@@ -84,15 +84,15 @@ class Compiler {
 
   std::string_view text_;
   Script script_{};
-  std::size_t size_ = 0;                 // of all commands, those that do not fit too
-  std::optional<std::size_t> overflow_;  // where the first of these stands
+  std::size_t size_ = 0;                 // of all commands, including those that do not fit
+  std::optional<std::size_t> overflow_;  // the position of the first of these
   ScriptTextError error_{};
 };
 
-// The bytes at the beginning that the robot takes as one.
+// The bytes at the beginning that the robot takes as one command.
 struct Piece {
   std::size_t length = 0;
-  bool is_command = false;  // that a script may hold
+  bool is_command = false;  // one that a script may hold
 };
 
 Piece first_piece(std::span<const std::uint8_t> bytes) {
@@ -102,7 +102,7 @@ Piece first_piece(std::span<const std::uint8_t> bytes) {
       .is_command = result.outcome == ParseResult::Outcome::command && bytes[0] != Script::kOpcode};
 }
 
-// Characters written. `out` has room for kMaxTextPerScriptByte of each byte.
+// Returns the characters written. `out` has room for kMaxTextPerScriptByte for each byte.
 std::size_t write_line(const Piece& piece, std::span<const std::uint8_t> bytes,
                        std::span<char> out) {
   if (piece.is_command) {
@@ -126,7 +126,7 @@ void put_count(TextWriter& line, std::size_t count) {
   line.put_number(static_cast<std::int64_t>(count));
 }
 
-// The line only where there are several, as oi/text/command_text.hpp does.
+// The line only if there are several, as in oi/text/command_text.hpp.
 void put_place(TextWriter& line, const ScriptTextError& error, std::string_view text) {
   if (text.find('\n') != std::string_view::npos) {
     line.put("line ");
@@ -172,7 +172,7 @@ ScriptText disassemble(const Script& script) {
     const Piece piece = first_piece(rest);
     const std::span room = std::span{line}.first(piece.length * kMaxTextPerScriptByte);
     const std::size_t size = write_line(piece, rest.first(piece.length), room);
-    (void)text.append(room.first(size));  // fits: no byte takes more than its part of the room
+    (void)text.append(room.first(size));  // fits: no byte takes more than its share of the room
     rest = rest.subspan(piece.length);
   }
   return text;

@@ -28,7 +28,7 @@ constexpr bool is_rest(std::uint8_t number) {
 }
 
 // The number of `c4`, `c#4`, `db4`: letter, sharp or flat, octave, in either case; and of `rest`.
-// Nothing for any other text, and for a note that the robot would not sound.
+// Nothing for any other text, or for a note that the robot would not sound.
 std::optional<std::uint8_t> find_note(std::string_view name);
 
 // A note's name: lower case, sharps only, `rest` for every number that the robot rests on.
@@ -39,11 +39,11 @@ struct NoteName {
 };
 NoteName note_name(std::uint8_t number);
 
-// As many notes as all slots hold together.
+// As many notes as all slots together hold.
 inline constexpr std::size_t kMaxTuneNotes = kSongSlots * kMaxSongNotes;
 using Tune = FixedList<Note, kMaxTuneNotes>;
 
-// How long the notes take, one after the other.
+// How long the notes take, one after another.
 constexpr SixtyFourths duration(std::span<const Note> notes) {
   std::int32_t sum = 0;
   for (const Note& note : notes) sum += note.duration.value;
@@ -52,9 +52,9 @@ constexpr SixtyFourths duration(std::span<const Note> notes) {
 
 using Songs = FixedList<Song, kSongSlots>;
 
-// The notes as songs of sixteen, only the last of them shorter, in first_slot and the slots behind
-// it. Nothing where these do not hold them; no notes are no songs. The robot ignores Play while it
-// plays (OI p. 12): each song is to be started when the one before has ended.
+// The notes as songs of sixteen, only the last of them shorter, in first_slot and the slots after
+// it. Nothing if they do not fit into these; no notes are no songs. The robot ignores Play while it
+// plays (OI p. 12): start each song when the one before has ended.
 std::optional<Songs> split(std::span<const Note> notes, std::uint8_t first_slot = 0);
 
 }  // namespace cargobay::oi

@@ -10,7 +10,7 @@ namespace cargobay::oi {
 
 namespace detail {
 
-// The digit's value, whatever the base; 36 for what is no digit.
+// The digit's value, whatever the base; 36 if it is not a digit.
 constexpr std::int64_t digit_value(char character) {
   if (character >= '0' && character <= '9') return character - '0';
   if (character >= 'a' && character <= 'z') return character - 'a' + 10;
@@ -20,8 +20,8 @@ constexpr std::int64_t digit_value(char character) {
 
 }  // namespace detail
 
-// Decimal, or hexadecimal behind 0x, with a minus in front for negative numbers; nothing for
-// anything else. What is too large for the type comes back as its largest or smallest number.
+// Decimal, or hexadecimal after 0x, with a minus in front for negative numbers; nothing for
+// anything else. A number too large for the type comes back as the type's largest or smallest.
 constexpr std::optional<std::int32_t> parse_integer(std::string_view text) {
   using Limits = std::numeric_limits<std::int32_t>;
   const bool negative = text.starts_with('-');

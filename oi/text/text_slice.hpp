@@ -1,4 +1,4 @@
-// A part of a text, as std::string_view::substr makes it; but nothing here throws.
+// A part of a text, like std::string_view::substr, but it never throws.
 #pragma once
 
 #include <algorithm>

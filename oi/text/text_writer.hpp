@@ -1,4 +1,4 @@
-// Characters into a caller's buffer, one behind the other: no heap, never past the end.
+// Characters into a caller's buffer, one after another: no heap, never past the end.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ class TextWriter {
  public:
   constexpr explicit TextWriter(std::span<char> out) : out_{out} {}
 
-  // What has been written; cut off where the buffer ended.
+  // What has been written, cut off at the end of the buffer.
   constexpr std::string_view text() const { return {out_.data(), size_}; }
   constexpr std::size_t size() const { return size_; }
   // False once something did not fit.
