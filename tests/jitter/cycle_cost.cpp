@@ -1,9 +1,9 @@
-// cycle_cost carried|lost PART FRAMES: drives a robot in memory for so many frames, of the kind
-// that carries the remainder of a reading or of the kind that loses it, and keeps its readings;
-// then does one part of the control cycle, or all of it, for the same frames again. The latter is
-// measured(): what is made before does not count. Its instructions are counted by
-// tests/jitter/cost.sh, and with those of the kernel by tests/pi/cycle_cost.py. Parts: cycle and
-// echo, in memory; pty_cycle and pty_echo, on a pseudo-terminal; decode; loop.
+// cycle_cost carried|lost PART FRAMES: drives a robot in memory for FRAMES frames, of the kind that
+// carries the remainder of a reading or the kind that loses it, and keeps its readings; then does
+// one part of the control cycle, or all of it, for the same frames again. Only the latter,
+// measured(), counts. tests/jitter/cost.sh counts its instructions, and tests/pi/cycle_cost.py
+// those of the kernel too. Parts: cycle and echo, in memory; pty_cycle and pty_echo, on a
+// pseudo-terminal; decode; loop.
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -37,7 +37,7 @@ using namespace cargobay;  // NOLINT(google-build-using-namespace): a program of
 
 using test::MemoryStream;
 
-// What each frame told of the counters.
+// What each frame reported of the counters.
 using Readings = std::vector<std::optional<rt::WheelEstimator::Reading>>;
 
 // Not a whole number of mm a tick, so that it matters what becomes of the remainder.
