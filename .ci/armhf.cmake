@@ -1,5 +1,5 @@
-# Debian's own cross compiler. The libraries of this project link nothing, and the headers of the native
-# packages serve; a package, which has the command too, wants those of the architecture
+# Debian's own cross compiler. The libraries of this project link nothing, so the headers of the
+# native packages will do; a package, which includes the command, needs those of the architecture
 # (.ci/packages.sh package-armhf).
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR armv7l)

@@ -1,4 +1,4 @@
-# What is installed where, and the Debian packages made of it by .ci/package.sh. Included last.
+# What is installed where, and the Debian packages that .ci/package.sh makes of it. Included last.
 # Each component is a package: library (libcargobay0), development (libcargobay-dev), command
 # (cargobay).
 if(NOT PROJECT_IS_TOP_LEVEL OR NOT TARGET cargobay_shared)
@@ -8,11 +8,11 @@ include(CMakePackageConfigHelpers)
 
 set(CARGOBAY_MAINTAINER "Cargobay maintainers <maintainers@cargobay.example>" CACHE STRING
     "Who answers for the packages")
-set(install_dir ${PROJECT_BINARY_DIR}/install)  # files made for the packages
+set(install_dir ${PROJECT_BINARY_DIR}/install)  # files generated for the packages
 set(packaging_dir ${PROJECT_SOURCE_DIR}/.ci/debian)
 
-# compressed(<file> <folder> <component> [RENAME <name>]): installed as Debian wants man pages and
-# changelogs, the same each time.
+# compressed(<file> <folder> <component> [RENAME <name>]): installs man pages and changelogs as
+# Debian requires, reproducibly.
 function(compressed file folder component)
   cmake_parse_arguments(PARSE_ARGV 3 arg "" "RENAME" "")
   cmake_path(GET file FILENAME name)
@@ -26,13 +26,13 @@ function(compressed file folder component)
   install(FILES ${install_dir}/${name}.gz DESTINATION ${folder} COMPONENT ${component})
 endfunction()
 
-# The library, and what stops the robot when the library cannot.
+# The library, and the guard, which stops the robot when the library cannot.
 install(TARGETS cargobay_shared EXPORT cargobayTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS cargobay_guard RUNTIME DESTINATION ${CARGOBAY_GUARD_FOLDER} COMPONENT library)
 
-# What a program needs to be built.
+# What is needed to build a program.
 file(GLOB headers CONFIGURE_DEPENDS hal/c/cargobay.h hal/c/cargobay.hpp)
 install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cargobay)
@@ -40,7 +40,7 @@ install(EXPORT cargobayTargets NAMESPACE cargobay:: DESTINATION ${package_dir}
   COMPONENT development)
 file(WRITE ${install_dir}/cargobayConfig.cmake
   "include(\"\${CMAKE_CURRENT_LIST_DIR}/cargobayTargets.cmake\")\n")
-# As long as the library is libcargobay.so.0 nothing of it goes (docs/abi.md).
+# As long as the library is libcargobay.so.0, nothing is removed from it (docs/abi.md).
 write_basic_package_version_file(${install_dir}/cargobayConfigVersion.cmake
   COMPATIBILITY SameMajorVersion)
 install(FILES ${install_dir}/cargobayConfig.cmake ${install_dir}/cargobayConfigVersion.cmake
@@ -55,7 +55,7 @@ install(FILES ${examples} examples/CMakeLists.txt examples/README.md DESTINATION
   COMPONENT development)
 install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT development)
 
-# The command, and what makes a machine ready for it.
+# The command, and what prepares a machine for it.
 if(TARGET cargobay)
   install(TARGETS cargobay RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
   file(GLOB pages CONFIGURE_DEPENDS docs/man/*.1 docs/man/*.5)
@@ -76,7 +76,7 @@ if(TARGET cargobay)
   install(FILES examples/python/heading.py examples/python/square.py
     DESTINATION ${examples_dir}/python COMPONENT command)
   install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT command)
-  # Messages, headers and man pages send their readers there.
+  # Messages, headers and man pages refer readers to these.
   file(GLOB pages CONFIGURE_DEPENDS docs/*.md docs/*.svg)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay COMPONENT command)
 endif()
@@ -89,8 +89,8 @@ set(package_library libcargobay0)
 set(package_development libcargobay-dev)
 set(package_command cargobay)
 
-set(release 1)  # of the packages of one version
-string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)  # that of SOURCE_DATE_EPOCH, if it is set
+set(release 1)  # of the packages of this version
+string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, if set
 configure_file(${packaging_dir}/changelog.in ${install_dir}/changelog @ONLY)
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(package ${package_${component}})
@@ -135,12 +135,12 @@ if(CMAKE_CROSSCOMPILING)
   endif()
 endif()
 
-# CPack indents the descriptions and puts a full stop into their empty lines.
+# CPack indents the descriptions and puts a full stop on their empty lines.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${package_library})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_MULTIARCH same)
-# CPack would write a postinst and a postrm that call ldconfig, where Debian's trigger does; it
-# leaves alone those that it is given, and passes over what does not exist.
+# CPack would write a postinst and a postrm that call ldconfig, although Debian has a trigger for
+# it. It leaves files that it is given alone, and skips those that do not exist.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA
   ${packaging_dir}/triggers ${packaging_dir}/none/postinst ${packaging_dir}/none/postrm)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION

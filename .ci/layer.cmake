@@ -5,7 +5,7 @@ function(cargobay_layer layer)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES")
   set(target cargobay_${layer})
   if(NOT arg_SOURCES)
-    # A layer of headers alone still is a library: give it one empty translation unit.
+    # A layer of headers only is still a library: give it one empty translation unit.
     set(arg_SOURCES ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
     file(CONFIGURE OUTPUT ${arg_SOURCES} CONTENT "")
   endif()
@@ -13,7 +13,7 @@ function(cargobay_layer layer)
   add_library(cargobay::${layer} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${layer})
   target_compile_features(${target} PUBLIC cxx_std_20)
-  # Nobody asks errno about arithmetic: with it lrint() and sqrt() are calls, not instructions.
+  # Nothing reads errno after arithmetic; with it, lrint() and sqrt() are calls, not instructions.
   target_compile_options(${target} PRIVATE -fno-math-errno)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   cargobay_units(${target} ${arg_SOURCES})
@@ -22,9 +22,9 @@ function(cargobay_layer layer)
     PUBLIC $<BUILD_INTERFACE:cargobay_sanitize>)
 endfunction()
 
-# cargobay_units(<target> <source>...): with CMAKE_UNITY_BUILD, as in the presets, these are compiled
-# a folder at a time. Other sources of the target stay alone. Who edits one file over and over may
-# configure with -DCMAKE_UNITY_BUILD=OFF; clang-tidy sees each file by itself anyway.
+# cargobay_units(<target> <source>...): with CMAKE_UNITY_BUILD, as in the presets, compiles these a
+# folder at a time, and leaves the other sources of the target alone. If you edit one file over and
+# over, configure with -DCMAKE_UNITY_BUILD=OFF; clang-tidy sees each file by itself anyway.
 function(cargobay_units target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)

@@ -1,6 +1,6 @@
-# Where things are installed. To be included before the layers: the library knows its guard's place.
+# Where things are installed. Include it before the layers: the library knows where its guard is.
 if(CMAKE_CROSSCOMPILING AND CMAKE_INSTALL_PREFIX MATCHES "^/usr/?$" AND NOT CMAKE_INSTALL_LIBDIR)
-  # GNUInstallDirs takes Debian's folder of an architecture for native builds alone.
+  # GNUInstallDirs uses Debian's multiarch folder only for native builds.
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-multiarch
     OUTPUT_VARIABLE architecture OUTPUT_STRIP_TRAILING_WHITESPACE)
   if(architecture)
@@ -9,6 +9,6 @@ if(CMAKE_CROSSCOMPILING AND CMAKE_INSTALL_PREFIX MATCHES "^/usr/?$" AND NOT CMAK
 endif()
 include(GNUInstallDirs)
 
-# The guard is no command for people, and each architecture's library starts its own.
+# The guard is not a command for users, and the library of each architecture starts its own.
 set(CARGOBAY_GUARD_FOLDER ${CMAKE_INSTALL_LIBDIR}/cargobay)
 set(CARGOBAY_GUARD_INSTALLED ${CMAKE_INSTALL_FULL_LIBDIR}/cargobay/cargobay-guard)

@@ -1,4 +1,4 @@
-# One interface target, cargobay_sanitize, that every layer, test and executable links.
+# One interface target, cargobay_sanitize, which every layer, test and executable links.
 add_library(cargobay_sanitize INTERFACE)
 
 set(sanitize_flags "")

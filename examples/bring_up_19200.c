@@ -1,4 +1,4 @@
-/* Brings up a robot to talk at 19200 baud, from whatever rate it is found at, and tells how. */
+/* Brings a robot up to talk at 19200 baud, whatever rate it is found at, and reports how. */
 #include <cargobay.h>
 #include <stdio.h>
 
@@ -9,7 +9,7 @@ static void tell(void* context, const char* step, const char* detail) {
 
 int main(int argc, char** argv) {
   static const char* const kChanges[] = {"it was there already", "by the BRC pin", "by opcode 129"};
-  /* With a port: pins and all else are the configuration file's. */
+  /* With a port: pins and everything else come from the configuration file. */
   struct cargobay_options options = {.size = sizeof options,
                                      .flags = argc > 1 ? 0u : CARGOBAY_NO_CONFIG,
                                      .port = argc > 1 ? argv[1] : NULL,

@@ -1,4 +1,4 @@
-// Brings up a robot to talk at 19200 baud, from whatever rate it is found at, and tells how.
+// Brings a robot up to talk at 19200 baud, whatever rate it is found at, and reports how.
 #include <array>
 #include <cstdio>
 
@@ -16,7 +16,7 @@ static cargobay::Expected<cargobay::BringUp> bring_up(const cargobay::Options& o
 
 int main(int argc, char** argv) {
   constexpr std::array changes{"it was there already", "by the BRC pin", "by opcode 129"};
-  // With a port: pins and all else are the configuration file's.
+  // With a port: pins and everything else come from the configuration file.
   auto options = argc > 1 ? cargobay::Options{.port = argv[1]}
                           : cargobay::Options{.flags = CARGOBAY_NO_CONFIG};
   options.baud = 19200;

@@ -1,4 +1,4 @@
-// Turns away from what it bumps into, as the events tell. Without a port: in a virtual pen.
+// Turns away from what it bumps into, as the events report. Without a port: in a virtual pen.
 #include <cstdio>
 
 #include <cargobay.hpp>

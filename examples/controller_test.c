@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <time.h>
 
-/* Under test: goes 1 m ahead, keeps its heading, stands. */
+/* Under test: drives 1 m ahead, keeps its heading, stops. */
 static void one_metre(void* context, const struct cargobay_state* state,
                       struct cargobay_wheels* wheels) {
   (void)context;

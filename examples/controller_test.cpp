@@ -7,13 +7,13 @@
 
 using namespace std::chrono_literals;
 
-// Under test: goes 1 m ahead, keeps its heading, stands.
+// Under test: drives 1 m ahead, keeps its heading, stops.
 static cargobay::Wheels one_metre(const cargobay::State& state) {
   const double velocity_mm_s = std::clamp(2.0 * (1000.0 - state.x_mm), -200.0, 200.0);
   return cargobay::wheels_of(velocity_mm_s, -2.0 * state.heading_rad);
 }
 
-// Where it truly is after a minute.
+// The true pose after a minute.
 static cargobay::Expected<cargobay::Truth> run() {
   auto create = cargobay::VirtualCreate::open({.time = CARGOBAY_SIM_VIRTUAL});
   if (!create) return create.error();

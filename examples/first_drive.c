@@ -1,4 +1,4 @@
-/* Drives ahead for two seconds and tells how fast the wheels turn. */
+/* Drives ahead for two seconds and prints how fast the wheels turn. */
 #include <cargobay.h>
 #include <stdio.h>
 
@@ -8,10 +8,10 @@ static int drive_ahead(struct cargobay_robot* robot) {
   struct cargobay_state state = {.size = sizeof state};
   char missing[1500];
   if (cargobay_start(robot) != 0) return -1;
-  /* It drives without real-time rights too, and says how to get them. */
+  /* The robot drives without real-time rights too; this says how to get them. */
   if (cargobay_missing_rights(robot, missing, sizeof missing) > 0) fputs(missing, stderr);
   while (state.time_ns < 2 * kSecondNs) {
-    /* With every frame: a setpoint that nobody renews lapses after half a second. */
+    /* With every frame: a setpoint lapses after half a second unless renewed. */
     if (cargobay_drive(robot, 200.0, 0.0) != 0) return -1;
     if (cargobay_wait(robot, kSecondNs, &state) != 0) return -1;
   }

@@ -1,4 +1,4 @@
-// Drives ahead for two seconds and tells how fast the wheels turn.
+// Drives ahead for two seconds and prints how fast the wheels turn.
 #include <cstdio>
 
 #include <cargobay.hpp>
@@ -11,7 +11,7 @@ static cargobay::Expected<void> drive_ahead(const cargobay::Options& options) {
   if (auto started = robot->start(); !started) return started;
   cargobay::State state{};
   while (std::chrono::nanoseconds{state.time_ns} < 2s) {
-    // With every frame: a setpoint that nobody renews lapses after half a second.
+    // With every frame: a setpoint lapses after half a second unless renewed.
     if (auto set = robot->drive(200.0, 0.0); !set) return set;
     const auto next = robot->wait(1s);
     if (!next) return next.error();

@@ -1,4 +1,4 @@
-/* A controller of one's own: a PID on the heading, called by the loop once a frame. */
+/* Your own controller: a PID on the heading, called by the loop once a frame. */
 #include <cargobay.h>
 #include <math.h>
 #include <stdio.h>
@@ -6,15 +6,15 @@
 struct pid {
   double heading_rad; /* wanted */
   double integral_rad_s;
-  int64_t time_ns; /* of the frame before */
+  int64_t time_ns; /* of the previous frame */
 };
 
-/* On the control thread: no lock, no printf, nothing that waits. */
+/* Runs on the control thread: no lock, no printf, nothing that waits. */
 static void keep_heading(void* context, const struct cargobay_state* state,
                          struct cargobay_wheels* wheels) {
   struct pid* pid = context;
   const double error_rad = pid->heading_rad - state->heading_rad;
-  /* Near the goal only: what adds up on the way there is overshoot. */
+  /* Only near the goal: what adds up on the way there would be overshoot. */
   const double period_s =
       fabs(error_rad) < 0.2 ? 1e-9 * (double)(state->time_ns - pid->time_ns) : 0;
   pid->integral_rad_s += error_rad * period_s;

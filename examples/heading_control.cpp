@@ -1,4 +1,4 @@
-// A controller of one's own: a PID on the heading, called by the loop once a frame.
+// Your own controller: a PID on the heading, called by the loop once a frame.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,14 +9,14 @@
 struct Pid {
   double heading_rad;  // wanted
   double integral_rad_s = 0.0;
-  std::int64_t time_ns = 0;  // of the frame before
+  std::int64_t time_ns = 0;  // of the previous frame
 
-  // On the control thread: no lock, no printf, nothing that waits.
+  // Runs on the control thread: no lock, no printf, nothing that waits.
   cargobay::Wheels operator()(const cargobay::State& state) {
     const double error_rad = heading_rad - state.heading_rad;
     const double period_s = 1e-9 * static_cast<double>(state.time_ns - time_ns);
     time_ns = state.time_ns;
-    // Near the goal only: what adds up on the way there is overshoot.
+    // Only near the goal: what adds up on the way there would be overshoot.
     if (std::abs(error_rad) < 0.2) integral_rad_s += error_rad * period_s;
     const double rate = 3.0 * error_rad + 0.5 * integral_rad_s - 0.2 * state.turn_rate_rad_s;
     return cargobay::wheels_of(150.0, std::clamp(rate, -1.5, 1.5));

@@ -1,4 +1,4 @@
-/* How evenly a loop of one's own wakes, beside the control thread that it follows. */
+/* How regularly your own loop wakes, compared with the control thread that it follows. */
 #include <cargobay.h>
 #include <stdio.h>
 #include <time.h>

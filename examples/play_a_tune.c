@@ -1,5 +1,4 @@
-/* A tune of more notes than a song holds: stored in several, and each played when it is its turn.
- */
+/* A tune with more notes than a song holds: stored in several songs, each played in its turn. */
 #include <cargobay.h>
 #include <stdio.h>
 
@@ -20,7 +19,7 @@ static int play(struct cargobay_robot* robot) {
     if (cargobay_query(robot, CARGOBAY_PACKET_SONG_PLAYING, 1000000000, &playing) != 0) return -1;
     printf("song %d for %.2f s: %s\n", slot, durations_64[slot] / 64.0,
            playing != 0 ? "it plays" : "it does not play");
-    /* While one plays the robot ignores the next: two frames later than that is soon enough. */
+    /* While a song plays the robot ignores the next: two frames after its end is soon enough. */
     while (state.time_ns < end_ns + 2 * 15000000) {
       if (cargobay_wait(robot, 1000000000, &state) != 0) return -1;
     }

@@ -1,4 +1,4 @@
-// A tune of more notes than a song holds: stored in several, and each played when it is its turn.
+// A tune with more notes than a song holds: stored in several songs, each played in its turn.
 #include <cstdio>
 
 #include <cargobay.hpp>
@@ -19,7 +19,7 @@ static cargobay::Expected<void> play(const cargobay::Options& options) {
   std::uint8_t slot = 0;
   for (const std::chrono::nanoseconds duration : *songs) {
     if (auto sent = robot->play_song(slot); !sent) return sent;
-    // While one plays the robot ignores the next: two frames later than that is soon enough.
+    // While a song plays the robot ignores the next: two frames after its end is soon enough.
     const std::chrono::nanoseconds next =
         std::chrono::nanoseconds{state->time_ns} + duration + 30ms;
     const auto playing = robot->query(CARGOBAY_PACKET_SONG_PLAYING, 1s);

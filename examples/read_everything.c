@@ -1,4 +1,4 @@
-/* Every sensor packet, by name, with the frame that told it last. */
+/* Every sensor packet, by name, with the last frame that reported it. */
 #include <cargobay.h>
 #include <stdio.h>
 
@@ -21,7 +21,7 @@ static int read_everything(struct cargobay_robot* robot) {
   if (cargobay_subscribe(robot, CARGOBAY_EXTRA_SIGNALS_LEFT | CARGOBAY_EXTRA_SIGNALS_RIGHT |
                                     CARGOBAY_EXTRA_OUTPUTS) != 0)
     return -1;
-  /* The battery comes once a second, all else more often. */
+  /* The battery comes once a second, everything else more often. */
   while (state.time_ns < 2000000000) {
     if (cargobay_wait(robot, -1, &state) != 0) return -1;
   }

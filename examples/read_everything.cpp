@@ -1,4 +1,4 @@
-// Every sensor packet, by name, with the frame that told it last.
+// Every sensor packet, by name, with the last frame that reported it.
 #include <array>
 #include <cstdio>
 
@@ -25,7 +25,7 @@ static cargobay::Expected<void> read_everything(const cargobay::Options& options
   auto told = robot->subscribe(CARGOBAY_EXTRA_SIGNALS_LEFT | CARGOBAY_EXTRA_SIGNALS_RIGHT |
                                CARGOBAY_EXTRA_OUTPUTS);
   if (!told) return told;
-  // The battery comes once a second, all else more often.
+  // The battery comes once a second, everything else more often.
   for (std::chrono::nanoseconds now{0}; now < 2s;) {
     const auto state = robot->wait(1s);
     if (!state) return state.error();

@@ -1,11 +1,11 @@
-/* A square of 500 mm by the odometry, and where the robot ends. Without a port: in virtual time. */
+/* A 500 mm square by odometry, and where the robot ends up. Without a port: in virtual time. */
 #include <cargobay.h>
 #include <math.h>
 #include <stdio.h>
 
 static double within(double most, double value) { return fmax(-most, fmin(most, value)); }
 
-/* Until the robot has gone so far in all, and looks that way. */
+/* Drives until the robot has gone this far in total and has this heading. */
 static int go_to(struct cargobay_robot* robot, double distance_mm, double heading_rad) {
   struct cargobay_state state = {.size = sizeof state};
   for (;;) {

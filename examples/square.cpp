@@ -1,4 +1,4 @@
-// A square of 500 mm by the odometry, and where the robot ends. Without a port: in virtual time.
+// A 500 mm square by odometry, and where the robot ends up. Without a port: in virtual time.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 #include <cargobay.hpp>
 
-// Until the robot has gone so far in all, and looks that way.
+// Drives until the robot has gone this far in total and has this heading.
 static cargobay::Expected<void> go_to(cargobay::Robot& robot, double distance_mm,
                                       double heading_rad) {
   for (;;) {

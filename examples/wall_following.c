@@ -8,13 +8,13 @@ static int follow(struct cargobay_robot* robot) {
   struct cargobay_sensors sensors = {.size = sizeof sensors};
   int64_t corner_until_ns = 0;
   int frames_at_wall = 0;
-  /* The signal is not among what the loop streams for itself. */
+  /* The loop does not stream the wall signal for itself. */
   if (cargobay_start(robot) != 0) return -1;
   if (cargobay_subscribe(robot, CARGOBAY_EXTRA_SIGNALS_LEFT) != 0) return -1;
   while (state.time_ns < 60000000000) {
     if (cargobay_wait(robot, -1, &state) != 0) return -1;
     if (cargobay_get_sensors(robot, &sensors) != 0) return -1;
-    /* The sensor looks to the right: a corner is met with the bumper. */
+    /* The sensor looks to the right, so the bumper is what finds a corner. */
     if (state.bumps != 0) corner_until_ns = state.time_ns + 700000000;
     const int corner = state.time_ns < corner_until_ns;
     const int32_t signal = sensors.value[CARGOBAY_PACKET_WALL_SIGNAL];

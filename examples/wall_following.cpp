@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 static cargobay::Expected<void> follow(cargobay::Robot& robot) {
   std::chrono::nanoseconds corner_until{0};
   int frames_at_wall = 0;
-  // The signal is not among what the loop streams for itself.
+  // The loop does not stream the wall signal for itself.
   if (auto started = robot.start(); !started) return started;
   if (auto told = robot.subscribe(CARGOBAY_EXTRA_SIGNALS_LEFT); !told) return told;
   for (;;) {
@@ -20,7 +20,7 @@ static cargobay::Expected<void> follow(cargobay::Robot& robot) {
     if (!sensors) return sensors.error();
     const std::int32_t signal = sensors->value[CARGOBAY_PACKET_WALL_SIGNAL];
     const std::chrono::nanoseconds now{state->time_ns};
-    // The sensor looks to the right: a corner is met with the bumper.
+    // The sensor looks to the right, so the bumper is what finds a corner.
     if (state->bumps != 0) corner_until = now + 700ms;
     const double turn_rad_s = std::clamp(0.0007 * (signal - 2000), -1.0, 1.0);
     auto set = now < corner_until ? robot.drive(0.0, 1.5) : robot.drive(150.0, turn_rad_s);

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Shows that the scripts work on a machine with nothing on it: a minimal Debian in a folder.
+# Proves that the scripts work on a bare machine: a minimal Debian in a folder.
 # usage: tests/fresh_root.sh bookworm|trixie [quick|full|example] [--worktree]
 #   quick    examples/run.sh, then tests/run.sh --quick (the default)
 #   full     examples/run.sh, then tests/run.sh
 #   example  examples/run.sh only
 #   --worktree  the files as they are, not as committed
 # Needs root and debootstrap. CARGOBAY_ROOT=FOLDER keeps the root there: an empty folder is filled,
-# a filled one is used again. CARGOBAY_MIRROR is the package archive.
+# a filled one reused. CARGOBAY_MIRROR is the package archive.
 set -euo pipefail
 
 usage() {
@@ -39,7 +39,7 @@ mounted=()
 leave() {
   local folder
   for folder in ${mounted[@]+"${mounted[@]}"}; do umount -l "$folder"; done
-  # Never through a mount that is still there.
+  # Never through a mount that still exists.
   ((keep)) || rm -rf --one-file-system "$root"
 }
 trap leave EXIT
@@ -68,7 +68,7 @@ else
   git -C "$source_tree" archive HEAD | tar -C "$root/src/cargobay" -x
 fi
 
-# A container may forbid mounts; the tests that need /proc or a pty then say what they miss.
+# A container may forbid mounts; the tests that need /proc or a pty then say what is missing.
 try_mount() {
   local target=${*: -1}
   mountpoint -q "$target" && return
@@ -85,7 +85,7 @@ try_mount -t devpts -o newinstance,ptmxmode=0666,mode=0620 devpts "$root/dev/pts
 [[ -e $root/dev/ptmx ]] || ln -s pts/ptmx "$root/dev/ptmx"
 try_mount -t tmpfs tmpfs "$root/dev/shm"
 
-# No terminal, no input, a bare environment, from a folder that is not the repository.
+# No terminal, no input, a bare environment, started outside the repository.
 inside() {
   echo "== $release: $*"
   chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \

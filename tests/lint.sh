@@ -2,9 +2,9 @@
 # Layout and names of the whole tree.
 # usage: tests/lint.sh [--format] [--tidy] [--alone] [--proof] [--fix] [FILE...]
 #   --format  clang-format, file names, shell syntax
-#   --tidy    clang-tidy over every source and every header (or over FILE...)
-#   --alone   the same with each source by itself: finds a missing #include too; takes half an hour
-#   --proof   shows with planted violations that both fire
+#   --tidy    clang-tidy on every source and every header (or on FILE...)
+#   --alone   the same with each source by itself: also finds a missing #include; takes half an hour
+#   --proof   proves with planted violations that both fire
 #   --fix     lets clang-format rewrite the files
 # With none of these: format, tidy and proof.
 set -euo pipefail
@@ -29,7 +29,7 @@ need() {
 check_format() {
   need "$clang_format"
   local failed=0 file
-  # One line a place; the quoted source lines are left out.
+  # One line per place; the quoted source lines are left out.
   sources | xargs --no-run-if-empty "$clang_format" --dry-run -Werror 2>&1 |
     { grep -E '^[^ ].*(error|warning):' || true; } || failed=1
   # clang-tidy sees this only with --alone.
@@ -37,7 +37,7 @@ check_format() {
     echo "a source file is never included"
     failed=1
   fi
-  # So is this: a namespace alias that nothing uses.
+  # The same goes for a namespace alias that nothing uses.
   while IFS=: read -r file _ alias; do
     (($(grep -cE "\\b$alias::" "$file") > 0)) || {
       echo "$file: the namespace alias $alias is unused"
@@ -57,7 +57,7 @@ check_format() {
   return "$failed"
 }
 
-# tidy_one BUILD FILE: quiet when there is nothing to say.
+# tidy_one BUILD FILE: quiet if there is nothing to report.
 tidy_one() {
   local output checks=''
   # A unity source includes the others, so that they look like headers.
@@ -67,14 +67,14 @@ tidy_one() {
   return 1
 }
 
-# compiled BUILD: the C++ files that it compiles, without the placeholders of empty layers. C is left
-# out: its names are C's.
+# compiled BUILD: the C++ files that it compiles, without the placeholders of empty layers. C is
+# left out: names follow C rules there.
 compiled() {
   sed -nE 's/^ *"file": "(.*\.(cpp|cxx))",?$/\1/p' "$1/compile_commands.json" |
     grep -vE '/(empty|pch)\.cpp$' | sort -u
 }
 
-# sources_in FILE...: the files themselves; of a unity source, what it includes.
+# sources_in FILE...: the files themselves or, for a unity source, the files that it includes.
 sources_in() {
   local file
   for file in "$@"; do
@@ -96,7 +96,7 @@ check_tidy() {
   if ((do_alone)) || (($#)); then
     configure "$build" || return
   else
-    # Many sources at a time: most of the time is spent on what they all include.
+    # Many sources at a time: most of the time goes into what they all include.
     build=build/tidy-unity
     configure "$build" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 || return
     cp tests/.clang-tidy "$build/tests/"
@@ -105,7 +105,7 @@ check_tidy() {
     files=$(printf "$PWD/%s\n" "$@")
   else
     files=$(compiled "$build")
-    # What is wrong on purpose (tests/sanitizers) or for the other libgpiod is not in it.
+    # Files that are wrong on purpose (tests/sanitizers) or for the other libgpiod are not in it.
     missing=$(comm -23 \
       <(sources | grep -E '\.cpp$' | sed "s|^|$PWD/|" | grep -vE '_v[12]\.cpp$|/tests/sanitizers/' | sort) \
       <(sources_in $files))

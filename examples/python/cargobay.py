@@ -196,7 +196,7 @@ class Measure(enum.IntEnum):
     FRAME_TO_COMMAND = 1
 
 
-# A type for the reader and type checkers, with the one in C behind it.
+# A type for the reader and type checkers, annotated with the one in C.
 _I32 = Annotated[int, ctypes.c_int32]
 _U32 = Annotated[int, ctypes.c_uint32]
 _I64 = Annotated[int, ctypes.c_int64]
@@ -479,7 +479,7 @@ def _load() -> ctypes.CDLL:
     integer, unsigned, byte = ctypes.c_int, ctypes.c_uint32, ctypes.c_uint8
     real, time_ns = ctypes.c_double, ctypes.c_int64
     pointer = ctypes.POINTER
-    # Of those that return 0, a count or an error.
+    # Functions that return 0, a count or an error.
     functions: dict[str, list[Any]] = {
         "sim_open": [pointer(_SimOptions), pointer(handle)],
         "sim_close": [handle],
@@ -550,7 +550,8 @@ _library = _load()
 _ANSWER_SIZE = 64 * 1024
 
 
-# ctypes cuts numbers to the size of their type, and text at its first NUL: all are looked at first.
+# ctypes truncates numbers to the size of their type, and text at its first NUL: check all of them
+# first.
 
 def _whole(name: str, value: Any, least: int, most: int) -> int:
     try:
@@ -660,7 +661,7 @@ def describe(event: Event) -> str:
 
 
 # What is open in this process, by handle: the name of the function that closes it, and the handle
-# of the virtual Create that it is, if any. Handles are never used twice.
+# of the virtual Create that it uses, if any. Handles are never used twice.
 _open: dict[int, tuple[str, Optional[int]]] = {}
 # Robots whose control function had not returned when they were closed, by their handles.
 _stalled: set[int] = set()
@@ -677,7 +678,7 @@ def _close(handle: int) -> None:
         if error.code == Error.STALLED:
             _stalled.add(handle)
         if error.code == Error.STATE:
-            _open[handle] = (name, sim)  # it is as it was
+            _open[handle] = (name, sim)  # a failure leaves it open
         raise
 
 
@@ -703,7 +704,7 @@ def _close_all() -> None:
             _close(handle)
 
 
-# They are the parent's, whose robots drive on.
+# They belong to the parent, whose robots drive on.
 os.register_at_fork(after_in_child=_open.clear)
 
 
@@ -735,7 +736,7 @@ class _Handle:
         try:
             warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
         finally:
-            with contextlib.suppress(BaseException):  # nobody is there to catch it
+            with contextlib.suppress(BaseException):  # nothing can catch it here
                 self.close()
 
 
@@ -764,7 +765,7 @@ class VirtualCreate(_Handle):
         self._opened(handle)
 
     def __del__(self) -> None:
-        # One that is collected with its robot may come first.
+        # One that is collected together with its robot may come first.
         if _open and self._handle in _open:
             _close_robots(self._handle)
         super().__del__()
@@ -842,7 +843,7 @@ class Robot(_Handle):
             raise CargobayError(Error.HANDLE, "`sim` is closed; open another VirtualCreate")
         if progress is not None and not callable(progress):
             raise TypeError(f"`progress` is a function or None, not {type(progress).__name__}")
-        self._sim = sim  # outlives this
+        self._sim = sim  # it must outlive this
         self._control: Any = None  # what C calls must not be collected
         shared = self._shared = _Shared()
         flags = _Flag(0)
@@ -860,7 +861,7 @@ class Robot(_Handle):
                 return
             try:
                 progress((step or b"").decode(), (detail or b"").decode(errors="replace"))
-            except BaseException as raised:  # nothing may leave for C
+            except BaseException as raised:  # nothing may escape into C
                 shared.raised = raised
 
         options = _Options(
@@ -898,7 +899,7 @@ class Robot(_Handle):
         if error is None:
             self.close()
             return
-        with contextlib.suppress(BaseException):  # the first one counts
+        with contextlib.suppress(BaseException):  # the first error counts
             self.close()
 
     def close(self) -> None:
@@ -942,7 +943,7 @@ class Robot(_Handle):
                     answer = Wheels(left_mm_s=_real("left_mm_s", left_mm_s),
                                     right_mm_s=_real("right_mm_s", right_mm_s))
                 wheels[0] = answer
-            except BaseException as raised:  # nothing may leave for C
+            except BaseException as raised:  # nothing may escape into C
                 shared.raised = shared.raised or raised
                 with contextlib.suppress(CargobayError):
                     _library.cargobay_request_stop(shared.handle)

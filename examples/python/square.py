@@ -28,7 +28,7 @@ with contextlib.ExitStack() as stack:
     for corner in range(1, 5):
         end_mm = state.distance_mm + SIDE_MM
         while state.distance_mm < end_mm:
-            # The nearer, the slower.
+            # The closer, the slower.
             robot.drive(min(SPEED_MM_S, 30.0 + 2.0 * (end_mm - state.distance_mm)), 0.0)
             state = robot.wait()
         end_rad = corner * math.pi / 2.0

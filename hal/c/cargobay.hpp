@@ -1,18 +1,18 @@
 // The C++ API of Cargobay: cargobay.h with handles that close themselves, times as std::chrono, and
-// errors as values. Headers alone: what is linked is the C API.
+// errors as values. Header only: you link the C API.
 //
 //     auto robot = cargobay::Robot::open({.port = "/dev/ttyUSB0"});
 //     if (!robot) return complain(robot.error().message);
 //     robot->control([](const cargobay::State& state) -> cargobay::Wheels { ... });
 //     robot->start();
 //
-// Every function does what the C function of the same name does, or the one named beside it, and
-// cargobay.h says of each: what it means, which errors it has, from which threads it may be called,
-// whether it blocks. Here is only what differs. Constants and plain structs are the C API's; `size`
-// is set wherever one is made or returned here.
+// Every function does what the C function of the same name does, or the one named beside it.
+// cargobay.h says what each function means, which errors it returns, which threads may call it, and
+// whether it blocks; only the differences are documented here. Constants and plain structs are
+// those of the C API; `size` is set wherever one is made or returned here.
 //
-// Nothing here throws. What is real-time safe there is real-time safe here, errors included. Where
-// memory for a std::string or a std::vector runs out the program ends.
+// Nothing here throws. What is real-time safe in C is real-time safe here, errors included. If
+// memory for a std::string or a std::vector runs out, the program ends.
 #pragma once
 
 #include <algorithm>
@@ -51,8 +51,8 @@ using Statistics = ::cargobay_statistics;
 using Truth = ::cargobay_truth;
 using Wheels = ::cargobay_wheels;
 
-// What failed. The text is a copy, so it lasts; it is no std::string because some of the functions
-// that fail must not allocate.
+// What failed. The text is a copy, so it lasts; it is not a std::string because some of the
+// functions that fail must not allocate.
 struct Error {
   int code = CARGOBAY_OK;   // enum cargobay_error
   char message[1024] = {};  // one line, with the remedy
@@ -66,7 +66,7 @@ struct Error {
   }
 };
 
-// A value, or why there is none.
+// A value, or the error that explains why there is none.
 template <typename T>
 class [[nodiscard]] Expected {
  public:
@@ -77,18 +77,18 @@ class [[nodiscard]] Expected {
   // NOLINTEND(google-explicit-constructor)
 
   explicit operator bool() const noexcept { return content_.index() == 0; }
-  // Of a value that is there.
+  // Only if there is a value.
   T& operator*() & noexcept { return *value(); }
   const T& operator*() const& noexcept { return *value(); }
   T&& operator*() && noexcept { return std::move(*value()); }
   T* operator->() noexcept { return value(); }
   const T* operator->() const noexcept { return value(); }
-  // Of a value that is not there.
+  // Only if there is no value.
   const Error& error() const noexcept {
     assert(!*this);
     return *std::get_if<1>(&content_);
   }
-  // enum cargobay_error; CARGOBAY_OK where there is a value.
+  // enum cargobay_error; CARGOBAY_OK if there is a value.
   int code() const noexcept { return *this ? CARGOBAY_OK : error().code; }
 
  private:
@@ -104,7 +104,7 @@ class [[nodiscard]] Expected {
   std::variant<T, Error> content_;
 };
 
-// Success, or why not.
+// Success, or the error.
 template <>
 class [[nodiscard]] Expected<void> {
  public:
@@ -137,14 +137,15 @@ inline Expected<void> outcome(int code) noexcept {
   return {};
 }
 
-// By reference: the call that returns the code is what fills the value.
+// Takes `value` by reference: the call that returns the code is what fills it.
 template <typename T>
 Expected<T> outcome(int code, const T& value) noexcept {
   if (code < 0) return Error::last(code);
   return value;
 }
 
-// The text that a C function wrote: it returns the whole length, and cuts off what does not fit.
+// The text that a C function wrote: the function returns the full length, and truncates what does
+// not fit.
 inline Expected<std::string> text(int length, std::string buffer) noexcept {
   if (length < 0) return Error::last(length);
   buffer.resize(std::min(static_cast<std::size_t>(length), buffer.size() - 1));
@@ -157,7 +158,7 @@ inline const char* or_null(const std::string& text) noexcept {
   return text.empty() ? nullptr : text.c_str();
 }
 
-// What does not fit becomes a value beyond every range: CARGOBAY_E_ARGUMENT.
+// A time that does not fit becomes a value beyond every range: CARGOBAY_E_ARGUMENT.
 template <typename Rep, typename Period>
 std::uint32_t count(std::chrono::duration<Rep, Period> time) noexcept {
   constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
@@ -168,7 +169,7 @@ template <auto kClose>
 struct Closer {
   template <typename T>
   void operator()(T* handle) const noexcept {
-    (void)kClose(handle);  // a destructor has nobody to tell
+    (void)kClose(handle);  // a destructor has no one to tell
   }
 };
 
@@ -180,13 +181,13 @@ template <typename T, auto kClose>
 Expected<void> close(Handle<T, kClose>& handle) noexcept {
   const int code = kClose(handle.get());
   if (code < 0) return Error::last(code);
-  (void)handle.release();  // closed just now
+  (void)handle.release();  // just closed
   return {};
 }
 
 }  // namespace detail
 
-// Of the library that runs.
+// Of the library in use.
 inline std::string_view version() noexcept { return cargobay_version(); }
 inline std::string_view error_name(int code) noexcept { return cargobay_error_name(code); }
 
@@ -203,7 +204,7 @@ inline std::string describe(const Event& event) noexcept {
   return words ? *std::move(words) : std::string{};
 }
 
-// As struct cargobay_sim_options: 0 and "" are the default.
+// Like struct cargobay_sim_options: 0 and "" are the default.
 struct VirtualCreateOptions {
   int time = CARGOBAY_SIM_REAL;
   std::uint64_t seed = 0;
@@ -218,7 +219,7 @@ struct VirtualCreateOptions {
   double wheel_base_mm = 0.0;
 };
 
-// struct cargobay_sim. Declared before the robot that is it, and so destroyed after it.
+// struct cargobay_sim. Declare it before the robot that uses it, so that it is destroyed after it.
 class VirtualCreate {
  public:
   // cargobay_sim_open().
@@ -269,7 +270,7 @@ class VirtualCreate {
     return detail::outcome(cargobay_sim_advance(handle(), duration.count()));
   }
 
-  // For the C API; nullptr where it is closed or moved from.
+  // For the C API; nullptr if closed or moved from.
   cargobay_sim* handle() const noexcept { return handle_.get(); }
 
  private:
@@ -278,10 +279,10 @@ class VirtualCreate {
   detail::Handle<cargobay_sim, cargobay_sim_close> handle_;
 };
 
-// As struct cargobay_options: 0 and "" are the default.
+// Like struct cargobay_options: 0 and "" are the default.
 struct Options {
-  std::uint32_t flags = 0;       // of enum cargobay_flag
-  std::string port{};            // `port` or `sim`, or neither
+  std::uint32_t flags = 0;       // bits of enum cargobay_flag
+  std::string port{};            // set `port` or `sim`, or neither
   VirtualCreate* sim = nullptr;  // outlives the robot
   std::string config{};
   std::uint32_t baud = 0;
@@ -336,7 +337,7 @@ class Histogram {
     return detail::outcome(code, std::chrono::nanoseconds{time_ns});
   }
 
-  // For the C API; nullptr where it is closed or moved from.
+  // For the C API; nullptr if closed or moved from.
   cargobay_histogram* handle() const noexcept { return handle_.get(); }
 
  private:
@@ -350,8 +351,8 @@ template <typename F>
 concept ControlFunction =
     std::move_constructible<F> && std::is_invocable_r_v<Wheels, F&, const State&>;
 
-// struct cargobay_robot. May be moved while its loop runs, but not destroyed, moved or assigned to
-// by one thread while another uses it, nor destroyed by its own control function.
+// struct cargobay_robot. May be moved while its loop runs. One thread must not destroy it, move it
+// or assign to it while another uses it, nor may its own control function destroy it.
 class Robot {
  public:
   static Expected<Robot> open(const Options& options = {}) noexcept {
@@ -365,7 +366,7 @@ class Robot {
   Robot(Robot&&) noexcept = default;
   Robot& operator=(Robot&& other) noexcept {
     if (this == &other) return *this;
-    if (handle_) (void)close();  // before the function that its loop calls; nobody to be told
+    if (handle_) (void)close();  // before the function that its loop calls; no one to tell
     control_ = std::move(other.control_);
     handle_ = std::move(other.handle_);
     return *this;
@@ -373,11 +374,11 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
   ~Robot() {
-    if (handle_) (void)close();  // a destructor has nobody to tell
+    if (handle_) (void)close();  // a destructor has no one to tell
   }
 
-  // The destructor does it too, and blocks as long. After CARGOBAY_E_STALLED it is closed, and the
-  // control function, which has not returned, is never freed.
+  // The destructor does it too, and blocks as long. After CARGOBAY_E_STALLED the robot is closed,
+  // and the control function, which has not returned, is never freed.
   Expected<void> close() noexcept {
     const int code = cargobay_close(handle());
     const bool stalled = code == CARGOBAY_E_STALLED;
@@ -398,7 +399,7 @@ class Robot {
     return detail::outcome(cargobay_get_state(handle(), &value), value);
   }
 
-  // Gives the newest state. 0: does not wait; negative: for ever.
+  // Returns the newest state. 0: does not wait; negative: waits for ever.
   Expected<State> wait(std::chrono::nanoseconds timeout) noexcept {
     auto value = detail::sized<State>();
     return detail::outcome(cargobay_wait(handle(), timeout.count(), &value), value);
@@ -408,9 +409,9 @@ class Robot {
     return detail::outcome(cargobay_reset_odometry(handle(), x_mm, y_mm, heading_rad));
   }
 
-  // cargobay_set_control() with anything that is called as Wheels(const State&). It is moved to
-  // memory of its own, which stays where it is when the robot is moved; CARGOBAY_E_SYSTEM where
-  // there is none. The calls allocate nothing. It may throw: CARGOBAY_E_CONTROL.
+  // cargobay_set_control() with anything that can be called as Wheels(const State&). It is moved to
+  // memory of its own, which stays in place when the robot is moved; CARGOBAY_E_SYSTEM if there is
+  // no memory. Calling it allocates nothing. It may throw: CARGOBAY_E_CONTROL.
   template <typename F>
     requires ControlFunction<std::decay_t<F>>
   Expected<void> control(F&& function) noexcept {
@@ -431,7 +432,7 @@ class Robot {
     return {};
   }
 
-  // cargobay_set_control() without one: setpoints again.
+  // cargobay_set_control() with none: setpoints again.
   Expected<void> control(std::nullptr_t) noexcept {
     const int code = cargobay_set_control(handle(), nullptr, nullptr);
     if (code < 0) return Error::last(code);
@@ -460,7 +461,7 @@ class Robot {
     return detail::outcome(cargobay_expect_silence(handle(), duration.count()));
   }
 
-  // The oldest event that nobody took yet; nothing also for a robot that is closed.
+  // The oldest event that nobody took yet; std::nullopt also if the robot is closed.
   std::optional<Event> next_event() noexcept {
     auto value = detail::sized<Event>();
     if (cargobay_next_event(handle(), &value) != 1) return std::nullopt;
@@ -508,7 +509,7 @@ class Robot {
   Expected<void> play_song(std::uint8_t slot) noexcept {
     return detail::outcome(cargobay_play_song(handle(), slot));
   }
-  // How long the song in each of the slots used takes, the first being `slot`. Allocates.
+  // The duration of the song in each slot used, the first being `slot`. Allocates.
   Expected<std::vector<std::chrono::nanoseconds>> tune(std::uint8_t slot,
                                                        const std::string& rtttl) noexcept {
     std::array<std::int32_t, 16> durations_64{};
@@ -553,7 +554,7 @@ class Robot {
     return detail::outcome(cargobay_copy_histogram(handle(), measure, histogram.handle()));
   }
 
-  // For the C API; nullptr where it is closed or moved from.
+  // For the C API; nullptr if closed or moved from.
   cargobay_robot* handle() const noexcept { return handle_.get(); }
 
  private:
@@ -594,7 +595,7 @@ class Robot {
   }
 
   Kept control_{nullptr, [](void*) {}};
-  // Behind it, so closed before it: the loop calls the function until then.
+  // Declared after the function, so closed before it is freed: the loop calls it until then.
   detail::Handle<cargobay_robot, cargobay_close> handle_;
 };
 

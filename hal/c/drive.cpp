@@ -1,4 +1,4 @@
-// Setpoints, and what else changes how the loop drives.
+// Setpoints, and everything else that changes how the loop drives.
 #include <cmath>
 
 #include "hal/c/cargobay.h"
@@ -15,7 +15,7 @@ int drive(cargobay_robot* robot, const cargobay_wheels& wheels) noexcept {
   if (!use) return bad_robot(robot);
   constexpr double kMost = oi::kMaxWheelSpeed;
   const bool possible = std::abs(wheels.left_mm_s) <= kMost && std::abs(wheels.right_mm_s) <= kMost;
-  if (!possible)  // also where one is no number
+  if (!possible)  // also if one is not a number
     return bad_argument("a wheel would have to go faster than 500 mm/s, or how fast is no number");
   if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
   if (use->control != nullptr) {
@@ -29,12 +29,12 @@ int drive(cargobay_robot* robot, const cargobay_wheels& wheels) noexcept {
                 "the robot has left its mode and obeys no drive command; see the event, set it "
                 "right, then cargobay_rearm()");
   }
-  // In range: it is taken.
+  // In range, so it is accepted.
   (void)use->robot->cycle().set_speeds({wheels.left_mm_s, wheels.right_mm_s});
   return CARGOBAY_OK;
 }
 
-// The wheel base of a robot; 0, with the error told, for a handle that is none.
+// The wheel base of a robot; 0, with the error recorded, for an invalid handle.
 double wheel_base_mm(cargobay_robot* robot) noexcept {
   const RobotUse use = robots().use(robot);
   return use ? use->wheel_base_mm : 0.0;

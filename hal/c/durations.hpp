@@ -1,4 +1,4 @@
-// Times that a program gives in nanoseconds.
+// Times that a program passes in nanoseconds.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace cargobay::c {
 
-// A day: far more than anything here takes, and far from where sums of times overflow.
+// A day: far longer than anything here takes, and far from overflow when times are added.
 inline constexpr std::int64_t kLongestNs = std::int64_t{86'400} * 1'000'000'000;
 
 // CARGOBAY_OK for 0 to kLongestNs.

@@ -7,12 +7,12 @@
 namespace cargobay::c {
 namespace {
 
-// In fixed memory: to tell of a lack of memory takes none.
+// In fixed memory: reporting a lack of memory must not need any.
 constexpr std::size_t kMostMessage = 1024;
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local std::array<char, kMostMessage> last_message{};
 
-// How each kind is called, and opened; by its number.
+// What each kind is called, and how it is opened; indexed by its number.
 struct KindWords {
   std::string_view name{};
   std::string_view a{};
@@ -35,7 +35,7 @@ int fail(int code, std::string_view message) noexcept {
   return code;
 }
 
-// Also of functions that are real-time safe: in memory of its own.
+// Formats into memory of its own, since real-time safe functions call it too.
 int bad_handle(const void* handle, HandleKind wanted) noexcept {
   std::array<char, 160> said{};
   std::size_t length = 0;

@@ -1,4 +1,4 @@
-// What a C function returns and leaves behind where it fails: a code, and a line for a person.
+// What a C function returns and leaves behind when it fails: a code, and a line for a person.
 #pragma once
 
 #include <exception>
@@ -12,19 +12,19 @@
 
 namespace cargobay::c {
 
-// Keeps the message for cargobay_error_message() of this thread; returns the code.
+// Keeps the message for cargobay_error_message() on this thread; returns the code.
 int fail(int code, std::string_view message) noexcept;
 inline int fail(int code, const hal::Failure& failure) noexcept {
   return fail(code, std::string_view{failure.message});
 }
 
-// For what cannot be wrong but by the caller.
+// For mistakes that only the caller can make.
 inline int bad_argument(std::string_view what) noexcept { return fail(CARGOBAY_E_ARGUMENT, what); }
 
-// For a handle that is no open one of this kind.
+// For a handle that is not an open one of this kind.
 int bad_handle(const void* handle, HandleKind wanted) noexcept;
 
-// Runs a function that returns such a code. No exception goes on into C.
+// Runs a function that returns such a code. No exception escapes into C.
 template <typename Function>
 int guarded(const Function& function) noexcept {
   try {

@@ -13,10 +13,10 @@ std::atomic<std::uint32_t> fork_count{0};
 std::uint32_t forks() CARGOBAY_NONBLOCKING { return fork_count.load(std::memory_order_relaxed); }
 
 void count_forks() {
-  // In the child one thread is left, and its memory is its own.
+  // The child has only one thread, and memory of its own.
   static const int kRegistered =
       pthread_atfork(nullptr, nullptr, [] { fork_count.fetch_add(1, std::memory_order_relaxed); });
-  (void)kRegistered;  // fails for want of memory only: then forks are not noticed
+  (void)kRegistered;  // fails only if memory runs out; forks then go unnoticed
 }
 
 }  // namespace cargobay::c

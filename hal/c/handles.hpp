@@ -1,6 +1,6 @@
-// Handles that C programs hold: numbers that look like pointers, and are never followed. One that
-// was closed, is of another kind, or belongs to the process that this one was forked from, is known
-// as what it is.
+// Handles that C programs hold: numbers that look like pointers and are never followed. One that
+// was closed, is of another kind, or belongs to the process that this one was forked from is
+// recognised as such.
 #pragma once
 
 #include <array>
@@ -21,15 +21,15 @@ namespace cargobay::c {
 std::uint32_t forks() CARGOBAY_NONBLOCKING;
 void count_forks();
 
-// What a handle is of; a part of its number.
+// What a handle refers to; a part of its number.
 enum class HandleKind : std::uint8_t { none, robot, sim, histogram };
 
-// A pointer has 32 bits on the smaller Pi: one that marks a handle, 6 for the slot, 2 for the kind,
-// the rest for the generation.
+// A pointer has 32 bits on the smaller Pi: 1 marks a handle, 6 are the slot, 2 the kind, the rest
+// the generation.
 inline constexpr unsigned kSlotBits = 6;
 inline constexpr unsigned kKindBits = 2;
 
-// Whatever pointer it is given; none for one that is no handle. Whether it is open does not matter.
+// Accepts any pointer; `none` if it is not a handle. Whether it is open does not matter.
 constexpr HandleKind kind_of(std::uintptr_t handle) CARGOBAY_NONBLOCKING {
   // Odd: never a pointer to anything.
   if ((handle & 1U) == 0) return HandleKind::none;
@@ -48,8 +48,8 @@ class HandleTable {
  public:
   static constexpr std::size_t kMost = std::size_t{1} << kSlotBits;
 
-  // The object behind a handle, which is not freed as long as this lives. Empty for a handle that
-  // is no open one.
+  // The object of a handle, which is not freed while this lives. Empty if the handle is not an open
+  // one.
   class Use {
    public:
     Use() = default;
@@ -78,7 +78,7 @@ class HandleTable {
 
    private:
     void end() CARGOBAY_NONBLOCKING {
-      // Pairs with the wait in close(): what was done with the object is done.
+      // Pairs with the wait in close(): everything done to the object happens before.
       if (slot_ != nullptr) slot_->word.fetch_sub(1, std::memory_order_release);
       slot_ = nullptr;
     }
@@ -88,20 +88,20 @@ class HandleTable {
     std::size_t index_ = 0;
   };
 
-  // Null where kMost are open already. The table owns the object from then on.
+  // Null if kMost are open already. From then on the table owns the object.
   void* open(std::unique_ptr<Object> object) {
     count_forks();
     const std::lock_guard lock{opening_};
     for (std::size_t i = 0; i < kMost; ++i) {
       Slot& slot = slots_[i];
       const std::uint64_t word = slot.word.load(std::memory_order_acquire);
-      // One that a parent left open is not this process's to reuse.
+      // A slot that the parent left open is not for this process to reuse.
       if ((word & (kOpen | kUses)) != 0 || slot.object.load(std::memory_order_relaxed) != nullptr)
         continue;
       const std::uint64_t generation = (word >> kGenerationShift) % kMostGeneration + 1;
       slot.object.store(object.release(), std::memory_order_relaxed);
       slot.forks.store(forks(), std::memory_order_relaxed);
-      // Pairs with use(): whoever sees the slot open sees the object.
+      // Pairs with use(): a thread that sees the slot open sees the object.
       slot.word.store(generation << kGenerationShift | kOpen, std::memory_order_release);
       return handle(generation, i);
     }
@@ -125,10 +125,10 @@ class HandleTable {
     return use;
   }
 
-  // From now on the handle is a closed one. Calls `end` on the object, then waits until nobody uses
-  // it any more, and hands it over. Null for a handle that is no open one. Where `end` returns
-  // false the object is in the hands of a thread that may never come back: that is not waited for,
-  // and the object must not be freed.
+  // Closes the handle at once. Calls `end` on the object, then waits until no thread uses it any
+  // longer, and hands it over. Null if the handle is not an open one. If `end` returns false, a
+  // thread that may never come back is using the object: that is not waited for, and the object
+  // must not be freed.
   template <typename End>
   std::unique_ptr<Object> close(const void* handle, const End& end) {
     Use use = this->use(handle);

@@ -1,4 +1,4 @@
-// LEDs, songs, outputs, scripts, and any other command that leaves the loop alone.
+// LEDs, songs, outputs, scripts, and any other command that does not interfere with the loop.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -23,7 +23,7 @@ using hal::Request;
 
 constexpr std::uint8_t kOutputs = 3;
 
-// What the loop itself says, or what would take the robot out of its hands.
+// What the loop sends itself, or what would take the robot out of its hands.
 bool is_the_loops(const oi::CommandInfo& info) {
   using enum oi::ModeChange;
   if (info.change != none) return true;
@@ -35,7 +35,7 @@ bool is_the_loops(const oi::CommandInfo& info) {
     case oi::Sensors::kOpcode:
     case oi::QueryList::kOpcode:
     case oi::Baud::kOpcode:
-    case oi::ShowScript::kOpcode:  // its answer is no frame
+    case oi::ShowScript::kOpcode:  // its answer is not a frame
     case oi::WaitTime::kOpcode:
     case oi::WaitDistance::kOpcode:
     case oi::WaitAngle::kOpcode:
@@ -44,7 +44,7 @@ bool is_the_loops(const oi::CommandInfo& info) {
   }
 }
 
-// One whole command with values in range, which is the loop's to send behind its own.
+// One whole command with values in range; the loop sends it after its own.
 int send(RobotObject& object, std::span<const std::uint8_t> bytes, std::uint32_t how) {
   const oi::CommandInfo* info = oi::find_command(bytes[0]);
   if (info == nullptr) return bad_argument("the robot has no such opcode");
@@ -87,7 +87,7 @@ int with(cargobay_robot* robot, const Function& function) noexcept {
   });
 }
 
-// A command whose values the caller has put into their range.
+// A command whose values the caller has checked.
 template <typename Command>
 int send_command(cargobay_robot* robot, const Command& command) noexcept {
   return with(robot, [&](RobotObject& object) {
@@ -100,7 +100,7 @@ int send_command(cargobay_robot* robot, const Command& command) noexcept {
 int bad_how() noexcept { return bad_argument("`how` has bits that this library does not know"); }
 bool known_how(std::uint32_t how) { return (how & ~std::uint32_t{CARGOBAY_PAUSE_DRIVING}) == 0; }
 
-// Whole commands, each of them a request of its own. All are looked at before one is taken.
+// Whole commands, each as a request of its own. All are checked before the first is taken.
 int send_bytes(RobotObject& object, std::span<const std::uint8_t> bytes, std::uint32_t how) {
   constexpr std::size_t kMostAtOnce = 124;
   if (bytes.empty()) return bad_argument("there is no command in it");
@@ -222,13 +222,13 @@ int cargobay_script(struct cargobay_robot* robot, const char* text, uint32_t how
       return bad_argument({said.data(), length});
     }
     const auto encoded = oi::encode(script);
-    return send(object, *encoded, how);  // compiled: it can be encoded
+    return send(object, *encoded, how);  // compiled, so it can be encoded
   });
 }
 
 int cargobay_play_script(struct cargobay_robot* robot, int64_t expected_ns) {
   if (const int bad = check_duration("expected_ns", expected_ns); bad != CARGOBAY_OK) return bad;
-  // Announced only where it goes out: the robot plays it a frame later at the earliest.
+  // Announced only if the command was accepted: the robot plays it a frame later at the earliest.
   if (const int failed = send_command(robot, oi::PlayScript{}); failed != CARGOBAY_OK)
     return failed;
   return cargobay_expect_silence(robot, expected_ns);

@@ -22,7 +22,7 @@
 namespace cargobay::c {
 namespace {
 
-// For cargobay_start() and cargobay_stop() on another thread.
+// How long to wait for cargobay_start() and cargobay_stop() on another thread.
 constexpr std::chrono::seconds kOthersEnd{3};
 constexpr std::uint32_t kKnownFlags = CARGOBAY_REQUIRE_REALTIME | CARGOBAY_NO_GUARD |
                                       CARGOBAY_HOLD_ON_MODE_LOSS | CARGOBAY_OPEN_LOOP |
@@ -37,7 +37,7 @@ struct Setting {
   hal::Range range{};
 };
 
-// Empty where all is in its range.
+// Empty if everything is in range.
 std::string complaint(const cargobay_options& options) {
   if ((options.flags & ~kKnownFlags) != 0)
     return "`flags` has bits that this library does not know; use a newer one";
@@ -75,7 +75,7 @@ std::string complaint(const cargobay_options& options) {
   return "";
 }
 
-// What the program says stands above what the file says.
+// The program's options override the file's.
 void lay_over(const cargobay_options& options, hal::Config& config) {
   if (options.port != nullptr) config.port = options.port;
   if (options.baud != 0) config.baud = options.baud;
@@ -127,7 +127,7 @@ int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& o
   object.sim = sims().use(options.sim);
   if (!object.sim) return bad_sim(options.sim);
   if (object.sim->taken.exchange(true)) {
-    object.sim = {};  // whose it is stays
+    object.sim = {};  // ownership stays
     return fail(CARGOBAY_E_STATE,
                 "another robot is this virtual Create already; close it, or open a second one");
   }
@@ -137,7 +137,7 @@ int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& o
     link.discard_input();
     if (link.set_baud(baud)) return bad_argument("`baud` cannot be set");
     if (link.set_wake_threshold(1)) return bad_argument("the link cannot be set up");
-    stream = std::make_unique<hal::SpacedStream>(link);  // the link stays the virtual Create's
+    stream = std::make_unique<hal::SpacedStream>(link);  // the virtual Create still owns the link
     return CARGOBAY_OK;
   }
   auto opened = hal::open_port(object.sim->server->path(), baud);
@@ -169,7 +169,7 @@ int take_port(const hal::Config& config, std::uint32_t baud, hal::RobotOptions& 
   return CARGOBAY_OK;
 }
 
-// Before the robot hears anything.
+// Called before anything is sent to the robot.
 int open_record(const cargobay_options& options, RobotObject& object) {
   if (options.record == nullptr) return CARGOBAY_OK;
   auto file = hal::OutputFile::open(options.record);
@@ -228,7 +228,7 @@ int record(RobotObject& object) {
   return CARGOBAY_OK;
 }
 
-// Once the loop runs: what a failing start leaves of an older recording is all of it.
+// Called once the loop runs: a start that fails leaves an older recording untouched.
 int publish_record(RobotObject& object) {
   if (!object.recording) return CARGOBAY_OK;
   object.recording->publish();
@@ -291,7 +291,7 @@ int stop(RobotObject& object) {
   return CARGOBAY_OK;
 }
 
-// Runs `function` on the robot for the thread that owns it now.
+// Runs `function` on the robot for the thread that currently owns it.
 template <typename Function>
 int owned(cargobay_robot* robot, const char* name, const Function& function) {
   if (in_control()) return not_from_control(name);

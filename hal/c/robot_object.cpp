@@ -19,7 +19,7 @@ namespace {
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local bool control_runs = false;
 
-// Of what the OI calls the wheels, to the C API's.
+// From the wheels as the OI has them to those of the C API.
 cargobay_wheels c_wheels(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   return {.left_mm_s = speeds.left_mm_s, .right_mm_s = speeds.right_mm_s};
 }
@@ -47,8 +47,8 @@ int code_of(hal::CycleEnd end) noexcept {
 }
 
 // The control function has ended its thread: by pthread_exit(), by a cancellation, or because its
-// interpreter ends. The loop cannot go on without a thread, nor end on one that unwinds: the robot
-// is stopped as it is where the function does not return.
+// interpreter ends. The loop cannot go on without a thread, nor end on one that is unwinding: the
+// robot is stopped just as when the function does not return.
 [[noreturn]] void never_come_back() noexcept {
   for (;;) pause();
 }
@@ -58,7 +58,7 @@ int code_of(hal::CycleEnd end) noexcept {
 RobotObject::~RobotObject() {
   if (robot) (void)robot->stop();
   recording.reset();  // it reads what the robot's recorder holds
-  robot.reset();      // what it drives goes behind it
+  robot.reset();      // before what it drives
   if (sim) sim->taken.store(false);
 }
 
@@ -95,17 +95,17 @@ int RobotObject::request(const hal::Request& wanted) {
 }
 
 RobotTable& robots() {
-  static RobotTable& table = *new RobotTable;  // until the very end
+  static RobotTable& table = *new RobotTable;  // lives until the very end
   return table;
 }
 
 void keep(std::unique_ptr<RobotObject> object) {
-  // In virtual time the thread may be in the virtual Create itself.
+  // In virtual time the thread may be inside the virtual Create.
   if (object->sim && !object->virtual_time) {
     object->sim->taken.store(false);
     object->sim = {};
   }
-  // Where a leak checker sees that it is no leak.
+  // Stays reachable, so that a leak checker does not report it.
   static std::mutex keeping;
   static std::vector<RobotObject*>& kept = *new std::vector<RobotObject*>;
   const std::lock_guard lock{keeping};
@@ -126,7 +126,7 @@ int not_from_control(const char* function) noexcept {
 rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double /*seconds*/)
     CARGOBAY_NONBLOCKING {
   auto& robot = *static_cast<RobotObject*>(object);
-  // The program's own; how long it takes is watched by the cycle, and by the guard.
+  // The program's own function; the cycle and the guard watch how long it takes.
   return rt::unchecked([&]() noexcept -> rt::WheelSpeeds {
     const cargobay_state seen = c_state(robot, state);
     cargobay_wheels wheels{};
@@ -134,7 +134,7 @@ rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double 
     try {
       robot.control(robot.context, &seen, &wheels);
     } catch (const abi::__forced_unwind&) {
-      if (robot.virtual_time) std::terminate();  // the program's own thread is nobody's to keep
+      if (robot.virtual_time) std::terminate();  // the program's own thread cannot be kept
       never_come_back();
     } catch (...) {
       robot.control_threw.store(true);

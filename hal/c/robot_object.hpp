@@ -1,4 +1,4 @@
-// The robot behind a handle.
+// The object of a robot's handle.
 #pragma once
 
 #include <atomic>
@@ -29,19 +29,18 @@ struct RobotObject {
 
   enum class Life : std::uint8_t { open, running, stopped };
 
-  // Each of these is CARGOBAY_OK, or the error of a function that is called too early or too late.
+  // Each returns CARGOBAY_OK, or the error of a function that is called too early or too late.
   int must_run() const noexcept;
   int must_be_started() const noexcept;
 
-  // What the end of its loop was, as an error with its message; CARGOBAY_OK where it was asked to
-  // end.
+  // Why the loop ended, as an error with its message; CARGOBAY_OK if it was asked to end.
   int end_of_loop(const hal::Robot::Farewell& ended) const;
 
   // Puts a request into the cycle's ring: CARGOBAY_OK or CARGOBAY_E_FULL. From any thread; locks.
   int request(const hal::Request& wanted);
 
-  SimUse sim{};                                    // that is the robot, if any
-  std::unique_ptr<hal::sim::VirtualCreate> own{};  // where no port was named
+  SimUse sim{};  // the program's virtual Create that is the robot, if any
+  std::unique_ptr<hal::sim::VirtualCreate> own{};  // if no port was named
   hal::OpenPins lines{};
   hal::Robot::Owned robot{};  // destroyed before what it drives
   std::unique_ptr<hal::RecordingWriter> recording{};
@@ -56,9 +55,9 @@ struct RobotObject {
   std::atomic<Life> life{Life::open};
   std::optional<rt::RealtimeGrant> grant{};  // once started
   std::optional<hal::Robot::Farewell> farewell{};
-  std::string unrecorded_why{};  // empty where nothing went wrong
+  std::string unrecorded_why{};  // empty if nothing went wrong
 
-  std::timed_mutex owner;  // of start, stop, set_control; in virtual time of everything
+  std::timed_mutex owner;  // for start, stop, set_control; in virtual time for everything
   std::mutex requests;     // the one producer of the cycle's ring
   std::mutex events;       // the one consumer of its events
 };
@@ -66,25 +65,25 @@ struct RobotObject {
 using RobotTable = HandleTable<RobotObject, HandleKind::robot>;
 RobotTable& robots();
 
-// Of one that a thread may still come back to: it is never freed. Its virtual Create may be closed,
-// in real time.
+// Keeps an object that a thread may still come back to; it is never freed. Its virtual Create may
+// be closed, in real time.
 void keep(std::unique_ptr<RobotObject> object);
 using RobotUse = RobotTable::Use;
 
-// The error for a handle that is no open one.
+// The error for a handle that is not an open robot.
 inline int bad_robot(const cargobay_robot* robot) noexcept {
   return bad_handle(robot, HandleKind::robot);
 }
 
-// Whether this thread is in a control function, of whatever robot.
+// Whether this thread is in a control function, of any robot.
 bool in_control() noexcept;
 int not_from_control(const char* function) noexcept;
 
-// The control function that calls the program's; its context is the RobotObject.
+// The cycle's control function, which calls the program's; its context is the RobotObject.
 rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double seconds)
     CARGOBAY_NONBLOCKING;
 
-// As C programs see it.
+// The state as C programs see it.
 cargobay_state c_state(const RobotObject& robot, const hal::CycleState& state) CARGOBAY_NONBLOCKING;
 
 }  // namespace cargobay::c

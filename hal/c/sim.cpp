@@ -21,7 +21,7 @@ namespace {
 
 using hal::sim::Device;
 
-// Empty where all is in its range.
+// Empty if everything is in range.
 std::string complaint(const cargobay_sim_options& options) {
   if (options.time < CARGOBAY_SIM_REAL || options.time > CARGOBAY_SIM_VIRTUAL)
     return "`time` is CARGOBAY_SIM_REAL or CARGOBAY_SIM_VIRTUAL";
@@ -96,7 +96,7 @@ int open_sim(const cargobay_sim_options& options, cargobay_sim** handle) {
   return CARGOBAY_OK;
 }
 
-// Without keeping others from closing it meanwhile.
+// Sleeps without keeping other threads from closing it.
 int sleep(const cargobay_sim* sim, rt::Duration duration) {
   constexpr rt::Duration kLookEvery = std::chrono::milliseconds{100};
   const rt::TimePoint until = rt::Clock::now() + duration;
@@ -136,7 +136,7 @@ void SimObject::with_cable(const std::function<void(hal::sim::Cable&)>& change) 
 }
 
 SimTable& sims() {
-  static SimTable& table = *new SimTable;  // until the very end
+  static SimTable& table = *new SimTable;  // lives until the very end
   return table;
 }
 

@@ -1,5 +1,6 @@
-// The size rule of structs that grow, as the kernel has it for its own (include/linux/uaccess.h,
-// copy_struct_from_user): what a shorter one lacks is 0, what a longer one has more must be.
+// The size rule for structs that grow, the same as the kernel's (include/linux/uaccess.h,
+// copy_struct_from_user): members missing from a shorter struct are 0, extra members of a longer
+// one must be 0.
 #pragma once
 
 #include <algorithm>
@@ -11,21 +12,21 @@
 
 namespace cargobay::c {
 
-// Each of them begins with `size`, in bytes, as its program knows it. By so much may a later
-// version have made the struct longer: beyond that the number is no size, but what an uninitialised
-// member holds, and would lead far away from the struct.
+// Each struct begins with `size`, in bytes, as its program knows it. kMostGrowth is how much longer
+// a later version may have made it: anything above is not a size but what an uninitialised member
+// holds, and would lead far outside the struct.
 inline constexpr std::size_t kLeastSize = sizeof(std::uint32_t);
 inline constexpr std::size_t kMostGrowth = 4096;
 
-// False for null, and for what is shorter than its size or longer than any version will make it.
+// False for null, and for a size that is too short or longer than any version will make it.
 template <typename Struct>
 [[nodiscard]] bool sized(const Struct* given) CARGOBAY_NONBLOCKING {
   return given != nullptr && given->size >= kLeastSize &&
          given->size <= sizeof(Struct) + kMostGrowth;
 }
 
-// From the program. False where `given` is not sized(), or asks for what this library does not
-// know; `known` is then not to be used.
+// Copies from the program. False if `given` is not sized(), or asks for something this library does
+// not know; do not use `known` then.
 template <typename Struct>
 [[nodiscard]] bool take(const Struct* given, Struct& known) CARGOBAY_NONBLOCKING {
   known = Struct{};
@@ -40,8 +41,8 @@ template <typename Struct>
   return true;
 }
 
-// To the program, as much as it has room for; its size stays. False where `wanted` is not sized(),
-// and nothing is written.
+// Copies to the program, as much as it has room for; its size stays. False if `wanted` is not
+// sized(); nothing is written then.
 template <typename Struct>
 [[nodiscard]] bool give(const Struct& known, Struct* wanted) CARGOBAY_NONBLOCKING {
   if (!sized(wanted)) return false;

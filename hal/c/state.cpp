@@ -1,4 +1,4 @@
-// What a program gets to know: states, events, sensors; and waiting for them.
+// What a program can read: states, events, sensors; and waiting for them.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -19,7 +19,7 @@ namespace {
 
 using hal::Robot;
 
-// What this thread has been given of each robot: how often its doorbell had rung.
+// What this thread has already seen of each robot: how often its doorbell had rung.
 struct Seen {
   const void* robot = nullptr;  // the handle, which is never used twice
   std::uint32_t rings = 0;
@@ -27,7 +27,7 @@ struct Seen {
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
 thread_local std::array<Seen, RobotTable::kMost> seen_rings{};
 
-// How often those who wait look whether there is still a loop.
+// How often a waiting thread checks that there still is a loop.
 constexpr rt::Duration kLookEvery = std::chrono::milliseconds{50};
 constexpr std::int64_t kForEver = std::int64_t{1} << 60U;  // ns
 
@@ -49,7 +49,7 @@ int timed_out() {
               "no frame came in time; every 15 ms one does where all is well: wait longer");
 }
 
-// Twice in a row: a machine that stood still as a whole lets the loop go on before the second.
+// Two looks in a row: if the whole machine had stopped, the loop goes on before the second.
 bool stands_still(RobotObject& object, std::uint32_t rings) {
   constexpr rt::Duration kAgain = std::chrono::milliseconds{20};
   if (!object.robot->stalled()) return false;
@@ -148,7 +148,7 @@ static_assert(static_cast<int>(hal::EventKind::port_shared) == CARGOBAY_EVENT_PO
 static_assert(static_cast<int>(hal::EventKind::frames_lost) == CARGOBAY_EVENT_FRAMES_LOST);
 static_assert(hal::Hazards{}.with(hal::Hazard::charger).raw() == CARGOBAY_CHARGER);
 
-// The extra list that has the packet; none where it comes by itself.
+// The extra list that has the packet; none if it is always included.
 hal::ExtraLists list_with(int packet) {
   using hal::ExtraList;
   if (packet >= CARGOBAY_PACKET_WALL_SIGNAL && packet <= CARGOBAY_PACKET_CLIFF_FRONT_LEFT_SIGNAL)
@@ -164,7 +164,7 @@ int query(cargobay_robot* robot, const RobotUse& use, int packet, std::int64_t t
   if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
   hal::ControlCycle& cycle = use->robot->cycle();
   const auto now = cycle.state();
-  // What is sampled behind this tick is sampled behind the call.
+  // What is sampled after this tick is sampled after the call.
   const std::int64_t since = now ? now->tick + 1 : 0;
   if (const hal::ExtraLists list = list_with(packet); list.any()) {
     hal::Request look;
@@ -215,7 +215,7 @@ int cargobay_wait(struct cargobay_robot* robot, int64_t timeout_ns, struct cargo
 
 int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_mm,
                             double heading_rad) {
-  // So that a millimetre and a millirad still count beside it; false for NaN.
+  // At this distance a millimetre and a millirad still count; false for NaN.
   constexpr double kFarthestMm = 1e9;
   constexpr double kMostRad = 1e6;
   const bool sensible = std::abs(x_mm) <= kFarthestMm && std::abs(y_mm) <= kFarthestMm &&
@@ -244,7 +244,7 @@ int cargobay_next_event(struct cargobay_robot* robot, struct cargobay_event* eve
     cargobay::hal::Event next;
     const std::lock_guard lock{use->events};
     if (!use->robot->next_event(next)) return 0;
-    (void)give(c_event(next), event);  // looked at above
+    (void)give(c_event(next), event);  // checked above
     return 1;
   });
 }
@@ -262,7 +262,7 @@ int cargobay_describe_event(const struct cargobay_event* event, char* text, size
 
 const char* cargobay_packet_name(int packet) {
   const bool single = packet >= CARGOBAY_PACKET_BUMPS_AND_WHEEL_DROPS && packet < CARGOBAY_PACKETS;
-  // Of the table of packets, whose keys are literals.
+  // From the table of packets, whose keys are literals.
   return single ? cargobay::oi::find_packet(static_cast<std::uint8_t>(packet))->key.data() : "";
 }
 

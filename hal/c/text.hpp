@@ -1,4 +1,4 @@
-// Text for a C program's buffer, and what is said where it is no good.
+// Text for a C program's buffer, and what to say if the buffer is invalid.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace cargobay::c {
 inline constexpr const char* kBadOut =
     "the struct to be filled is NULL, or its `size` is not set: set it to its sizeof";
 
-// Copies with a 0 behind it, cut off where it does not fit. Returns the length of all of it.
+// Copies and NUL-terminates; truncates what does not fit. Returns the full length.
 inline int copy_text(std::string_view text, char* buffer, std::size_t size) {
   if (buffer != nullptr && size > 0) {
     const std::size_t length = std::min(text.size(), size - 1);

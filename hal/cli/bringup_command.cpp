@@ -1,4 +1,4 @@
-// `cargobay bringup`: from whatever state the robot is in to one that answers at the wanted rate.
+// `cargobay bringup`: takes the robot from any state to one that answers at the wanted rate.
 
 #include <cstdio>
 #include <memory>
@@ -25,7 +25,7 @@
 namespace cargobay::cli {
 namespace {
 
-// What there is to know of a robot that does not move.
+// All that a robot that does not move can report.
 constexpr oi::StreamList kPackets = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
     oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
 constexpr std::chrono::milliseconds kLastWords{200};
@@ -43,7 +43,7 @@ oi::Mode mode_of(const std::string& word) {
   return word == "full" ? oi::Mode::full : oi::Mode::passive;
 }
 
-// Nobody listens from here on. Safe or Full, where that was asked for, is how the robot is left.
+// Nothing listens from here on. If Safe or Full was asked for, the robot is left in that mode.
 std::optional<hal::Failure> end_stream(hal::ByteStream& stream, oi::Mode mode, hal::Duty& duty) {
   if (mode == oi::Mode::passive) {
     if (duty.discharge().standing()) return std::nullopt;
@@ -73,7 +73,7 @@ int conclude(const BringupOptions& options, const BringUpRecord& record,
 }
 
 int bring_up(const BringupOptions& options) {
-  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the pin low
+  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z, it would leave the pin low
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
     return kFailure;

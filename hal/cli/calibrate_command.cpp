@@ -40,7 +40,7 @@ struct CalibrateOptions {
   std::string json_file;
 };
 
-// The control function's.
+// The context of the control function.
 struct Pattern {
   const hal::Calibration* calibration = nullptr;
   hal::ControlCycle* cycle = nullptr;
@@ -68,7 +68,7 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
   Pattern pattern{.calibration = &calibration, .cycle = &robot.cycle()};
   const auto grant = robot.start({.function = &Pattern::control, .context = &pattern});
   if (!grant) return grant.failure();
-  const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};  // whatever we wait for
+  const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};  // whatever this waits for
   const bool live = stdout_is_terminal();
   std::optional<int> signal;
   hal::CycleState state;
@@ -109,7 +109,7 @@ std::string result_json(const hal::CalibrationResult& result) {
   return text.dump(2) + "\n";
 }
 
-// Empty where there is no such file yet.
+// Empty if there is no such file yet.
 hal::Result<std::string> contents(const std::string& file) {
   auto text = hal::read_input(file, {.most_bytes = hal::kMostConfigBytes});
   if (text || text.failure().code == std::errc::no_such_file_or_directory)
@@ -118,7 +118,7 @@ hal::Result<std::string> contents(const std::string& file) {
       fmt::format("cannot read the configuration {}: {}", file, text.failure().message)};
 }
 
-// Into the file, which is left as it was where something is wrong with it.
+// Writes to the file; leaves it untouched if anything is wrong with it.
 std::optional<hal::Failure> write_config(const std::string& file,
                                          const hal::CalibrationResult& result, Outputs& outputs) {
   std::vector<hal::ConfigValue> values{
@@ -134,7 +134,7 @@ std::optional<hal::Failure> write_config(const std::string& file,
   return outputs.write("--write", text);
 }
 
-// Opens the files. A configuration that is there already is to be a sound one.
+// Opens the files. An existing configuration must be a valid one.
 std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outputs) {
   if (!(options.speed_mm_s >= 100.0 && options.speed_mm_s <= 400.0)) {
     return hal::Failure{
@@ -152,7 +152,7 @@ std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outp
   return hal::read_config(*text, options.write_file, config);
 }
 
-// What was measured, to wherever it is wanted.
+// Writes the result to every place where it is wanted.
 std::optional<hal::Failure> report(const CalibrateOptions& options,
                                    const hal::CalibrationResult& result, Outputs& outputs) {
   const bool prints = options.json_file != "-";
@@ -164,7 +164,7 @@ std::optional<hal::Failure> report(const CalibrateOptions& options,
   return std::nullopt;
 }
 
-// A robot is about to move: its owner has a moment. Returns the signal that came in it.
+// The robot is about to move: gives its owner a moment. Returns the signal that came meanwhile.
 std::optional<int> warn(const CalibrateOptions& options, StopSignals& signals) {
   print_remark(
       fmt::format("the robot will go about {:.0f} mm ahead and back, then turn about each "
@@ -173,8 +173,7 @@ std::optional<int> warn(const CalibrateOptions& options, StopSignals& signals) {
   return signals.wait(kWarning);
 }
 
-// Brings the robot up, drives and measures. Nothing where a signal ended it, which `signal` is
-// then.
+// Brings the robot up, drives and measures. Nothing if a signal ended it; `signal` is then set.
 hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOptions& options,
                                                            const hal::Config& config,
                                                            const Plant& plant, StopSignals& signals,
@@ -204,7 +203,7 @@ hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOption
 }
 
 int calibrate(const CalibrateOptions& options) {
-  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
+  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z, it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
     return kFailure;

@@ -9,7 +9,7 @@ class App;
 
 namespace cargobay::cli {
 
-// What was chosen on the command line; returns the exit code.
+// What to do, as chosen on the command line; returns the exit code.
 using Action = std::function<int()>;
 
 void add_drive(CLI::App& app, Action& chosen);

@@ -1,4 +1,4 @@
-// `cargobay decode`: what each byte means, of what the host sends and of what the robot sends.
+// `cargobay decode`: what each byte means, of those the host sends and those the robot sends.
 
 #include <algorithm>
 #include <memory>
@@ -49,7 +49,7 @@ hal::Result<Bytes> bytes_of(const CLI::App& command, const DecodeOptions& option
   return read_bytes(*text, options.decimal ? Base::decimal : Base::hexadecimal);
 }
 
-// `  12  89 ff           what they mean`, over several lines where there are many bytes.
+// `  12  89 ff           what they mean`, over several lines if there are many bytes.
 void print_line(const oi::Annotation& annotation) {
   constexpr std::size_t kOnLine = 6;
   std::span<const std::uint8_t> bytes = annotation.bytes;

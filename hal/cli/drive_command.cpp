@@ -40,7 +40,7 @@ namespace {
 
 constexpr rt::Duration kStatusPeriod = std::chrono::milliseconds{100};
 
-// The control function: follows the profile, and asks the cycle to end when its time is over.
+// The control function: follows the profile, and asks the cycle to end when the time is over.
 struct Driver {
   const Profile* profile = nullptr;
   double duration_s = 0.0;
@@ -66,7 +66,7 @@ void print_status(const hal::CycleState& state, double duration_s) {
   std::fflush(stdout);
 }
 
-// Prints events as they come, each once.
+// Prints each event once, as it comes.
 class EventPrinter {
  public:
   enum class Use : std::uint8_t { print, quiet };
@@ -95,7 +95,7 @@ std::string plot_title(const DriveReport& report, const DriveOptions& options) {
       report.figures.right.tracking_rmse_mm_s);
 }
 
-// Files, as far as they can be written. Returns the first failure.
+// Writes every file that can be written. Returns the first failure.
 std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& options,
                                  const std::vector<DriveSample>& samples, Outputs& outputs) {
   std::optional<hal::Failure> unsaved;
@@ -105,23 +105,23 @@ std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& 
   return unsaved ? unsaved : undrawn;
 }
 
-// How a drive ended: the last of its links.
+// How the last link of a drive ended.
 struct Ending {
   hal::Robot::Farewell farewell{};
   std::optional<int> signal{};
-  std::string why{};  // the robot did not come back; empty where nobody waited for it
-  std::vector<std::string> recordings{};     // one a link
+  std::string why{};  // the robot did not come back; empty if nothing waited for it
+  std::vector<std::string> recordings{};     // one per link
   std::optional<hal::Failure> unrecorded{};  // the first that failed
 };
 
-// What went wrong, the worst first; empty where nothing did.
+// What went wrong, the worst first; empty if nothing did.
 std::string complaint(const Ending& ending, const std::optional<hal::Failure>& unsaved) {
   if (!ending.why.empty()) return ending.why;
   if (std::string wrong = hal::explain(ending.farewell); !wrong.empty()) return wrong;
   return unsaved.has_value() ? unsaved->message : "";
 }
 
-// Files, table, and the last word. Returns the exit code.
+// Writes the files, the table, and the last word. Returns the exit code.
 int conclude(const DriveReport& report, const DriveOptions& options,
              const std::vector<DriveSample>& samples, const Ending& ending, Outputs& outputs) {
   std::optional<hal::Failure> unsaved = save(report, options, samples, outputs);
@@ -140,7 +140,7 @@ int conclude(const DriveReport& report, const DriveOptions& options,
   return ending.signal.has_value() ? kSignalled + *ending.signal : kSuccess;
 }
 
-// Drives over one link after another, until the time is over or no further link is to be had.
+// Drives over one link after another, until the time is over or no further link is available.
 class Drive {
  public:
   Drive(const DriveOptions& options, const Profile& profile, hal::sim::Server* server,
@@ -153,8 +153,8 @@ class Drive {
                  options.json_file == "-" ? EventPrinter::Use::quiet : EventPrinter::Use::print},
         driver_{.profile = &profile, .duration_s = options.duration_s} {}
 
-  // Fails where the first link cannot be driven. `request` is for the links after the first; there
-  // are none where it names no port.
+  // Fails if the first link cannot be driven. `request` finds the further links; if it names no
+  // port there are none.
   hal::Result<Ending> run(hal::Robot::Owned robot, const hal::ReconnectRequest& request) {
     Ending ending;
     for (bool first = true;; first = false) {
@@ -203,7 +203,7 @@ class Drive {
     constexpr const char* kClearLine = "\r\033[K";
     const bool live = stdout_is_terminal();
     std::optional<int> signal;
-    // At once, though this thread may be held up by what it prints or records.
+    // At once, even while this thread is held up by what it prints or records.
     const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};
     while (!robot.ended() && !signal.has_value()) {
       signal = signals_.wait(kStatusPeriod);
@@ -227,7 +227,7 @@ class Drive {
     return back;
   }
 
-  // A cycle of its own is a recording of its own: FILE for the first link, FILE.2 for the next.
+  // Each cycle gets a recording of its own: FILE for the first link, FILE.2 for the next.
   std::optional<hal::Failure> begin_recording(const hal::Robot& robot) {
     if (options_.record_file.empty()) return std::nullopt;
     std::string key = "--record";
@@ -264,7 +264,7 @@ class Drive {
   rt::RealtimeGrant grant_{};  // of the last link
 };
 
-// What the drive itself tells; it outlives the report.
+// The drive's own part of the report; the drive outlives it.
 DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& samples) {
   const DriveLinks& links = drive.links();
   const hal::CycleState last = links.states().empty() ? hal::CycleState{} : links.states().back();
@@ -284,8 +284,8 @@ DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& sample
           .without_link = links.without()};
 }
 
-// As what a lost port is sought; without an identity where it is not: not asked for, or a virtual
-// Create of our own, which stays.
+// How to find a lost port again. Without an identity the port is not sought: it was not asked for,
+// or the robot is a virtual Create of our own, which stays.
 hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options,
                                                      const Plant& plant, std::uint32_t baud,
                                                      const hal::RobotOptions& robot) {
@@ -299,7 +299,7 @@ hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options
   return request;
 }
 
-// As far as the kernel allows; where rights are required, what it refuses is a failure.
+// As far as the kernel allows; if rights are required, what it refuses is a failure.
 std::optional<hal::Failure> boost_kworkers(hal::KworkerBoost& boost,
                                            const hal::RobotOptions& robot) {
   const int error = boost.start();
@@ -310,7 +310,7 @@ std::optional<hal::Failure> boost_kworkers(hal::KworkerBoost& boost,
 }
 
 int drive(const DriveOptions& options) {
-  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z it would leave the robot rolling
+  StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z, it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
     return kFailure;
@@ -342,13 +342,13 @@ int drive(const DriveOptions& options) {
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", plant->port);
   const std::vector<hal::Finding> findings = examine(plant->port, wanted.realtime);
-  hal::KworkerBoost boost{hal::kworker_priority(wanted.realtime.priority)};  // until the very end
+  hal::KworkerBoost boost{hal::kworker_priority(wanted.realtime.priority)};  // to the very end
   if (options.boost_kworkers) {
     if (const auto failure = boost_kworkers(boost, wanted)) return fail(*failure);
   }
 
   auto opened = hal::Robot::open(std::move(*stream), wanted);
-  if (early_signal) return kSignalled + *early_signal;  // it stands, or was told to
+  if (early_signal) return kSignalled + *early_signal;  // the robot stands still, or was told to
   if (!opened) return fail(opened.failure());
   Drive driving{options, *profile, server, signals, outputs};
   const auto ending = driving.run(std::move(*opened), *again);

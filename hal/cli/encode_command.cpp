@@ -1,4 +1,4 @@
-// `cargobay encode`: commands as text to the bytes that a robot understands.
+// `cargobay encode`: translates commands from text to the bytes that a robot understands.
 
 #include <cstdio>
 #include <memory>

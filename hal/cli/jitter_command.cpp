@@ -1,4 +1,4 @@
-// `cargobay jitter`: how late this kernel, board and link are, beside what they could be at best.
+// `cargobay jitter`: how late this kernel, board and link are, compared with the best possible.
 
 #include <spawn.h>
 #include <sys/wait.h>
@@ -56,7 +56,7 @@ struct JitterOptions {
 constexpr double kSliceSeconds = 0.5;
 constexpr std::uint64_t kMostUs = 100'000;  // of cyclictest's histogram
 
-// stress-ng on all processors, until it is destroyed.
+// Runs stress-ng on all processors until it is destroyed.
 class Load {
  public:
   Load() = default;
@@ -76,7 +76,7 @@ class Load {
     std::string cpu = "--cpu";
     std::string quiet = "--quiet";
     std::array<char*, 5> arguments{name.data(), cpu.data(), all.data(), quiet.data(), nullptr};
-    // Our signals are blocked, and its own are for it.
+    // Our signals are blocked; stress-ng must receive its own.
     sigset_t none{};
     sigset_t all_defaults{};
     sigemptyset(&none);
@@ -161,7 +161,7 @@ std::optional<hal::Failure> save(const JitterSummary& summary, const JitterOptio
   return first;
 }
 
-// Measures on a thread of its own, so that this one can look at signals and tell how far it is.
+// Measures on a separate thread, so that this one can watch for signals and print the progress.
 std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
                                     std::optional<int>& signal) {
   std::atomic<bool> stop{false};

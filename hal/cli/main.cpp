@@ -18,9 +18,9 @@ namespace {
 
 namespace cli = cargobay::cli;
 
-// What is printed to a file or a pipe may only now find out that it cannot be written.
+// Output to a file or a pipe may only now turn out to be unwritable.
 int after_output(int code) {
-  (void)std::fflush(stdout);  // never fails; output_error() says what came of it
+  (void)std::fflush(stdout);  // never fails; output_error() reports the result
   const std::error_code error = cli::output_error();
   if (!error || code != cli::kSuccess) return code;
   cli::print_error("cannot write to standard output: " + error.message());

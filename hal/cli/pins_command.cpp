@@ -1,4 +1,4 @@
-// `cargobay pins`: the GPIO chips and lines there are, who holds them, and what one of them does.
+// `cargobay pins`: the GPIO chips and lines of this machine, who holds them, and the level of one.
 
 #include <cerrno>
 #include <chrono>
@@ -18,7 +18,7 @@
 namespace cargobay::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kSlice{50};  // at most so long until a signal is noticed
+constexpr std::chrono::milliseconds kSlice{50};  // longest time until a signal is noticed
 
 struct PinsOptions {
   gpio::LineAddress watched{};
@@ -37,7 +37,7 @@ void print(const gpio::ChipInfo& chip) {
   fmt::print("{} [{}] {} lines\n", chip.name, chip.label, chip.lines.size());
   for (std::size_t offset = 0; offset < chip.lines.size(); ++offset) {
     const gpio::LineInfo& line = chip.lines[offset];
-    if (line.name.empty() && !line.used) continue;  // nothing to tell of it
+    if (line.name.empty() && !line.used) continue;  // nothing to report
     fmt::print("{:4}  {:<16}", offset, line.name);
     if (line.used) fmt::print(" used by {}", line.consumer.empty() ? "the kernel" : line.consumer);
     fmt::print("\n");

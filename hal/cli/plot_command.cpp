@@ -28,7 +28,7 @@ struct PlotOptions {
   std::string output;
 };
 
-// What is no number has no place on the paper.
+// Values that are not numbers cannot be drawn.
 bool drawable(const hal::CycleState& state) {
   const auto finite = [](const rt::WheelSpeeds& speeds) {
     return std::isfinite(speeds.left_mm_s) && std::isfinite(speeds.right_mm_s);

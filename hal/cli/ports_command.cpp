@@ -1,4 +1,4 @@
-// `cargobay ports`: the serial ports there are.
+// `cargobay ports`: the serial ports of this machine.
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

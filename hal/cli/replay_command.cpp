@@ -1,5 +1,5 @@
-// `cargobay replay`: the same loop on what was recorded, compared bit for bit; or another estimator
-// on it, compared in mm/s.
+// `cargobay replay`: runs the same loop on a recording and compares it bit for bit, or runs another
+// estimator on it and compares it in mm/s.
 
 #include <memory>
 #include <optional>
@@ -57,7 +57,8 @@ nlohmann::json json(const hal::EstimateDifference& difference) {
           {"remainder", name(difference.belief)}};
 }
 
-// The results as a file where one is asked for, and as text where that is not standard output.
+// Writes the results to a file if one was named, and prints the text unless that is standard
+// output.
 int conclude(const ReplayOptions& options, const nlohmann::json& results, const std::string& text,
              Outputs& outputs) {
   if (options.json_file != "-") fmt::print("{}\n", text);

@@ -1,4 +1,4 @@
-// `cargobay send`: commands to a robot by hand, and what it answers.
+// `cargobay send`: sends commands to a robot by hand, and prints the answers.
 
 #include <algorithm>
 #include <array>
@@ -62,14 +62,14 @@ hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
                   baud, begins_with_start ? "" : ". If it is off, begin with: start")};
 }
 
-// One run of the command: a robot, and what it is told in order.
+// One run of the command: a robot, and the commands it gets, in order.
 class Sending {
  public:
-  // All outlive it.
+  // All of them outlive it.
   Sending(hal::ByteStream& port, hal::Duty& duty, StopSignals& signals, const SendOptions& options)
       : port_{port}, duty_{duty}, options_{options}, talk_{port, signals} {}
 
-  // Returns the failure that ended it, after everything that has to follow one.
+  // Returns the failure that ended it, after the clean-up that a failure needs.
   std::optional<hal::Failure> run(const std::vector<PlannedCommand>& commands) {
     std::optional<hal::Failure> failure = send_all(commands);
     if (!failure) watch();
@@ -88,7 +88,7 @@ class Sending {
  private:
   static hal::Failure hung_up() { return {"the port hung up; plug it in and start again"}; }
 
-  // Empty where the robot does not say.
+  // Empty if the robot does not answer.
   std::optional<oi::Mode> ask_mode() {
     const auto request = oi::encode(oi::Sensors{oi::PacketId::oi_mode});
     const std::vector<std::uint8_t> reply = talk_.ask(*request, 1);
@@ -100,7 +100,7 @@ class Sending {
   std::optional<hal::Failure> send_all(const std::vector<PlannedCommand>& commands) {
     if (!talk_.listen(kFirstLook)) return hung_up();
     talk_.set_streaming(talk_.frames() > 0);
-    // Off hears nothing but Start, so that is the one command that may go unasked.
+    // In Off the robot hears only Start, so that is the one command to send without asking first.
     const bool starts = std::holds_alternative<oi::Start>(commands.front().command);
     if (!starts) {
       const std::optional<oi::Mode> mode = ask_mode();
@@ -117,12 +117,12 @@ class Sending {
   }
 
   std::optional<hal::Failure> send(const PlannedCommand& command) {
-    robot_.take(command);  // before it goes: what may have been heard counts
+    robot_.take(command);  // before it is sent: the robot may have heard it even if sending fails
     if (robot_.motion() == Motion::demo) duty_.expect_demo();
     return std::visit([&](const auto& one) { return send(command, one); }, command.command);
   }
 
-  // Without a reply.
+  // Commands without a reply.
   template <typename Command>
   std::optional<hal::Failure> send(const PlannedCommand& command, const Command&) {
     if (!talk_.send(command.bytes)) return not_sent();
@@ -183,7 +183,7 @@ class Sending {
     for (const oi::PacketId packet : packets) {
       oi::SensorValues values;
       const std::size_t bytes = oi::packet(packet).size;
-      // Known and whole.
+      // The packet is known and complete.
       (void)oi::decode_packet(static_cast<std::uint8_t>(packet), rest.first(bytes), values);
       fmt::print("{}", lines({packet}, values));
       rest = rest.subspan(bytes);
@@ -192,7 +192,7 @@ class Sending {
     return std::nullopt;
   }
 
-  // After a change of mode: whether the robot is in it.
+  // After a change of mode: checks that the robot is in it.
   std::optional<hal::Failure> check_mode(const PlannedCommand& command) {
     const std::optional<oi::Mode> mode = ask_mode();
     if (talk_.signal()) return std::nullopt;
@@ -222,7 +222,7 @@ class Sending {
     begun_stream_ = true;
   }
 
-  // Frames for a while, and as long as the wheels may turn.
+  // Prints frames for a while, and for as long as the wheels may turn.
   void watch() {
     const bool holds = robot_.motion() != Motion::none && !options_.leave_running;
     rt::Duration duration =
@@ -245,7 +245,7 @@ class Sending {
     }
   }
 
-  // Whatever happened before: the wheels are not left turning.
+  // Whatever happened before, the wheels must not be left turning.
   std::optional<hal::Failure> stop() {
     if (options_.leave_running && robot_.motion() != Motion::none)
       print_remark("the wheels may be turning still, as asked for by --leave-running");
@@ -254,7 +254,7 @@ class Sending {
       return std::nullopt;
     }
     talk_.ignore_signals();
-    begun_stream_ = false;  // the farewell ends it
+    begun_stream_ = false;  // the farewell ends the stream
     const hal::Discharge left = duty_.discharge();
     if (talk_.hung_up()) return hal::Failure{hung_up().message + hal::fate(left)};
     if (!left.standing()) {
@@ -268,7 +268,7 @@ class Sending {
 
   void pause_stream() {
     if (!begun_stream_ || !talk_.streaming() || options_.leave_running || talk_.hung_up()) return;
-    // One that does not hear it is silent anyway.
+    // A robot that does not hear it is silent anyway.
     (void)talk_.send(*oi::encode(oi::PauseResumeStream{oi::StreamState::pause}));
     (void)port_.drain(milliseconds{100});
   }
@@ -299,7 +299,7 @@ int send(const CLI::App& command, const SendOptions& options) {
   if (const auto refused = objection(commands, std::nullopt, *config->baud)) return fail(*refused);
   auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
-  // Without a guard the wheels would turn for ever if this program were killed.
+  // Without a guard the wheels would keep turning for ever if this program were killed.
   const bool guarded = may_move(commands) && !options.leave_running;
   using Use = hal::GuardOptions::Use;
   auto duty = hal::Duty::begin(**port, {.use = guarded ? Use::required : Use::none}, kNoPriority);

@@ -18,7 +18,7 @@ bool starts_demo(const PlannedCommand& command) {
          std::holds_alternative<oi::CoverAndDock>(command.command);
 }
 
-// The wheels' new speed; nothing for a command that is none.
+// Whether the command leaves the wheels turning; nothing if it does not set their speed.
 std::optional<bool> turns_wheels(const PlannedCommand& command) {
   if (const auto* drive = std::get_if<oi::Drive>(&command.command))
     return drive->velocity != oi::MmPerSec{0};
@@ -70,7 +70,7 @@ void Expectation::take(const PlannedCommand& command) {
   if (const std::optional<bool> turning = turns_wheels(command))
     motion_ = *turning ? Motion::drive : Motion::none;
   if (starts_demo(command)) motion_ = Motion::demo;
-  // Abort ends a demo, not a script that waits.
+  // Abort ends a demo, but not a script that is waiting.
   if (std::holds_alternative<oi::Demo>(command.command) && !starts_demo(command) &&
       motion_ == Motion::demo) {
     motion_ = Motion::none;
@@ -82,7 +82,7 @@ void Expectation::take(const PlannedCommand& command) {
   has_moved_ = has_moved_ || motion_ != Motion::none;
 }
 
-// A script can do what any command does, and do it later. One that is not known may do anything.
+// A script can do what any command does, only later. A script that is not known may do anything.
 void Expectation::play_script() {
   if (!script_) {
     motion_ = Motion::script;

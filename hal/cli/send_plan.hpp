@@ -1,4 +1,4 @@
-// What a row of commands will do, as far as it can be known before a byte is sent.
+// What a sequence of commands will do, as far as that is known before a byte is sent.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,13 @@ struct PlannedCommand {
   oi::Command command{};
 };
 
-// The bytes of encode_or_explain(), divided.
+// Splits the bytes of encode_or_explain() into commands.
 std::vector<PlannedCommand> divide(std::span<const std::uint8_t> bytes);
 
 // What may be turning the wheels.
 enum class Motion : std::uint8_t { none, drive, demo, script };
 
-// Mode, motion and stream of a robot that obeys every command told of.
+// Mode, motion and stream of a robot that obeys every command passed to take().
 class Expectation {
  public:
   explicit Expectation(oi::Mode mode, std::uint32_t baud) : mode_{mode}, baud_{baud} {}
@@ -35,7 +35,7 @@ class Expectation {
   oi::Mode mode() const { return mode_; }
   std::uint32_t baud() const { return baud_; }
   Motion motion() const { return motion_; }
-  // Whether anything so far set the wheels turning, or may have.
+  // Whether anything so far has set the wheels turning, or may have.
   bool has_moved() const { return has_moved_; }
 
  private:
@@ -45,11 +45,11 @@ class Expectation {
   std::uint32_t baud_;
   Motion motion_ = Motion::none;
   bool has_moved_ = false;
-  std::optional<oi::Script> script_{};  // nothing where it was stored by somebody else
+  std::optional<oi::Script> script_{};  // nothing if another program stored it
 };
 
-// Why these commands must not be sent to a robot in this mode, at this rate; nothing where they
-// may. Without a mode: what holds in any.
+// Why these commands must not be sent to a robot in this mode at this rate; nothing if they may be.
+// Without a mode: what holds in any mode.
 std::optional<hal::Failure> objection(const std::vector<PlannedCommand>& commands,
                                       std::optional<oi::Mode> mode, std::uint32_t baud);
 

@@ -1,4 +1,4 @@
-// `cargobay sensors`: what the robot's sensors say, named and with units.
+// `cargobay sensors`: the robot's sensor values, named and with units.
 
 #include <algorithm>
 #include <cstdio>
@@ -44,7 +44,7 @@ void show(const SensorsOptions& options, const std::vector<oi::PacketId>& packet
   std::fflush(stdout);
 }
 
-// Frames as they come, until a signal. The table is redrawn at a rate that eyes can follow.
+// Prints frames as they come, until a signal. Redraws the table at a rate that eyes can follow.
 int watch(const SensorsOptions& options, const std::vector<oi::PacketId>& packets,
           hal::SensorStream& stream, StopSignals& signals) {
   rt::TimePoint next_draw{};
@@ -79,10 +79,10 @@ int sensors(const SensorsOptions& options) {
   if (!has_port(*config)) return kUsageError;
   auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
-  // If this program is killed, the robot does not stream on and the port is put back.
+  // If this program is killed, the stream is still stopped and the port restored.
   auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
   if (!duty) return fail(duty.failure());
-  // A live table needs a terminal; elsewhere one reading is what makes sense.
+  // A live table needs a terminal; elsewhere one reading makes more sense.
   if (options.once || (!options.as_json && !stdout_is_terminal())) {
     const auto values = hal::query_sensors(**port, *packets);
     (*duty)->waive();
@@ -92,7 +92,7 @@ int sensors(const SensorsOptions& options) {
   }
   auto stream = hal::SensorStream::open(**port, *packets);
   const int code = stream ? watch(options, *packets, **stream, signals) : fail(stream.failure());
-  if (stream) stream->reset();  // pauses
+  if (stream) stream->reset();  // pauses the stream
   (*duty)->waive();             // nothing was told to move
   return code;
 }

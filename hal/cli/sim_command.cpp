@@ -42,7 +42,7 @@ struct ServeOptions {
   int priority = 0;
 };
 
-// One robot and what was asked for around it. The server goes first: it uses the path.
+// One robot and everything requested for it. The server is destroyed first: it uses the path.
 struct Served {
   std::unique_ptr<hal::sim::PathRecorder> path{};  // with --trace
   std::unique_ptr<hal::sim::Server> server{};
@@ -55,7 +55,7 @@ int fail(const std::string& message) {
   return kFailure;
 }
 
-// The path of the robot of that index, where there are several: PATH.0, and FILE.0.svg.
+// The path of the robot with that index, if there are several: PATH.0, and FILE.0.svg.
 std::string numbered(const std::string& path, std::size_t index, std::size_t count) {
   if (path.empty() || count == 1) return path;
   constexpr std::string_view kDrawing = ".svg";
@@ -66,11 +66,11 @@ std::string numbered(const std::string& path, std::size_t index, std::size_t cou
 
 std::string trace_key(std::size_t index) { return fmt::format("--trace of robot {}", index); }
 
-// The earliest first; of one moment, as they were given.
+// The earliest first; those of the same moment in the order given.
 std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
   std::vector<PlannedFault> faults;
   for (const std::string& text : options.faults) {
-    PlannedFault fault = *parse_fault(text);  // checked: it parses
+    PlannedFault fault = *parse_fault(text);  // already checked: it parses
     const auto later =
         std::find_if(faults.begin(), faults.end(),
                      [&fault](const PlannedFault& other) { return other.after > fault.after; });
@@ -79,7 +79,7 @@ std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
   return faults;
 }
 
-// No trace may be what the robots have besides.
+// No trace may overwrite the robots' other files.
 void protect_places(const ServeOptions& options, Outputs& outputs) {
   outputs.protect("the world", options.world);
   for (std::size_t i = 0; i < options.count; ++i) {
@@ -137,10 +137,10 @@ std::error_code start(std::vector<Served>& robots) {
   return {};
 }
 
-// Until a signal comes.
+// Serves until a signal comes.
 void serve(StopSignals& signals, std::vector<PlannedFault> faults, std::vector<Served>& robots) {
   const rt::TimePoint begin = rt::Clock::now();
-  std::reverse(faults.begin(), faults.end());  // the next is the last
+  std::reverse(faults.begin(), faults.end());  // so that the next is the last
   for (;;) {
     while (!faults.empty() && begin + faults.back().after <= rt::Clock::now()) {
       inflict(faults.back(), robots);
@@ -221,7 +221,7 @@ std::string footer() {
   return text;
 }
 
-// A path that can be printed in one line, for those who read it there.
+// A path that can be printed in one line, so that it can be read from there.
 CLI::Validator printable_path() {
   return CLI::Validator{[](const std::string& text) {
                           const bool printable = std::none_of(text.begin(), text.end(), [](char c) {

@@ -13,13 +13,13 @@
 #include "oi/baud.hpp"
 #include "oi/text/nearest_name.hpp"
 
-// Built to return errors, not to throw them: hal/CMakeLists.txt.
+// Set up to return errors, not to throw them: hal/CMakeLists.txt.
 #include <toml++/toml.h>
 
 namespace cargobay::hal {
 namespace {
 
-// What is wrong with a value; nothing where it was taken.
+// What is wrong with a value; nothing if it was accepted.
 using Complaint = std::optional<std::string>;
 struct Key {
   std::string_view name;
@@ -48,7 +48,7 @@ class Reader {
 
   const std::string& file_;
   Config& config_;
-  std::optional<Failure> inner_{};  // of a table within
+  std::optional<Failure> inner_{};  // of a table inside this one
 };
 
 Key text_key(std::string_view name, std::string& target) {
@@ -69,7 +69,7 @@ Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
           }};
 }
 
-// `unit` says too what it is not in.
+// `unit` also says what the value is not in.
 Key number_key(std::string_view name, Range range, std::string_view unit,
                std::optional<double>& target) {
   return {name, [range, unit, &target](const toml::node& node) -> Complaint {

@@ -1,4 +1,4 @@
-// The configuration file: port, pins, the robot's parameters and real-time wishes, as TOML
+// The configuration file: port, pins, the robot's parameters and the real-time settings, as TOML
 // (docs/wiring.md has an example).
 #pragma once
 
@@ -14,35 +14,36 @@
 
 namespace cargobay::hal {
 
-// What no file says is empty, or as the defaults have it.
+// Members that no file sets are empty, or have their default.
 struct Config {
   std::string port{};
   std::optional<std::uint32_t> baud{};
   PinSettings pins{};
   std::optional<double> wheel_base_mm{};
-  std::optional<double> distance_scale{};  // true distance for each mm that the robot reports
-  std::optional<double> turn_scale{};      // the same for each degree
+  std::optional<double> distance_scale{};  // true distance per mm that the robot reports
+  std::optional<double> turn_scale{};      // true angle per degree that the robot reports
   std::optional<double> lag_s{};
   std::optional<double> acceleration_mm_s2{};
-  std::optional<double> jerk_mm_s3{};  // not said: none
+  std::optional<double> jerk_mm_s3{};  // not set: no limit
   std::optional<rt::Remainder> remainder{};
   std::optional<int> priority{};
   std::optional<int> cpu{};
   bool require_realtime = false;
 };
 
-// Reads the text on top of `config`. A wrong key or value is a failure that names `file` and line,
-// and the nearest key; `config` is then half changed.
+// Reads the text over `config`. A wrong key or value is a failure that names `file`, the line, and
+// the nearest key; `config` is then partly changed.
 std::optional<Failure> read_config(std::string_view text, const std::string& file, Config& config);
 
-// `file`, or where it is empty /etc/cargobay.toml and on top of it $XDG_CONFIG_HOME/cargobay.toml
-// (~/.config where that is not set), as far as they exist.
+// `file` or, if that is empty, /etc/cargobay.toml and over it $XDG_CONFIG_HOME/cargobay.toml
+// (~/.config if the variable is not set), whichever of them exist.
 std::vector<std::string> config_files(const std::string& file);
 
-// Reads config_files(), the last on top. Each is read as hal/file/read_input.hpp says, up to 1 MiB.
+// Reads config_files(), later ones over earlier ones; each as in hal/file/read_input.hpp, up to
+// 1 MiB.
 Result<Config> load_config(const std::string& file);
 
-// What the robot's parameters change of the loop's.
+// Copies the robot's parameters into those of the loop.
 void apply(const Config& config, CycleParameters& parameters);
 
 }  // namespace cargobay::hal

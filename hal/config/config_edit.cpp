@@ -21,14 +21,14 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-// The key that a line sets; empty where it sets none.
+// The key that a line sets; empty if it sets none.
 std::string_view key_of(std::string_view line) {
   const std::size_t equals = line.find('=');
   const std::string_view key = trimmed(line.substr(0, equals));
   return equals == std::string_view::npos || key.starts_with('#') ? std::string_view{} : key;
 }
 
-// A # inside a text is none.
+// A # inside a string does not begin a comment.
 std::string comment_of(std::string_view line) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {

@@ -1,4 +1,4 @@
-// Changes a few values in a configuration's text, and leaves all else as its owner wrote it.
+// Changes a few values in the text of a configuration, and leaves the rest as its owner wrote it.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@ namespace cargobay::hal {
 
 struct ConfigValue {
   std::string key{};
-  std::string value{};  // as TOML has it: 258.0, "lost"
+  std::string value{};  // in TOML: 258.0, "lost"
 };
 
-// The text with these values in its table [`table`], which is added where there is none. A line
-// that sets one of the keys is replaced, a comment behind it is kept; other keys are added at the
-// end of the table.
+// The text with these values in its table [`table`], which is added if it is missing. A line that
+// sets one of the keys is replaced, and a comment after it kept; other keys are added at the end of
+// the table.
 std::string set_values(std::string_view text, std::string_view table,
                        const std::vector<ConfigValue>& values);
 

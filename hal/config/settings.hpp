@@ -1,4 +1,4 @@
-// What users may set: the ranges, told once for configuration file, C API and command.
+// What users may set: the ranges, stated once for configuration file, C API and command.
 #pragma once
 
 #include <sstream>
@@ -22,14 +22,14 @@ struct Range {
   }
 };
 
-// Of the robot. The narrowest that every robot of this kind is in: a value in metres is not.
+// Of the robot. Tight enough that a value given in metres is out of range.
 inline constexpr Range kWheelBaseMm{50.0, 1000.0};
 inline constexpr Range kScale{0.5, 2.0};
 inline constexpr Range kLagS{0.001, 10.0};
 inline constexpr Range kAccelerationMmS2{1.0, 100'000.0};
 inline constexpr Range kJerkMmS3{1.0, 10'000'000.0};
 // Of the loop.
-inline constexpr Range kPriority{1, 98};  // 99 is for those without whom the kernel stands still
+inline constexpr Range kPriority{1, 98};  // 99 is for threads that the kernel cannot do without
 inline constexpr Range kCpu{0, 1023};
 inline constexpr Range kSetpointLapseMs{20, 60'000};
 inline constexpr Range kControlBudgetUs{10, 1'000'000};

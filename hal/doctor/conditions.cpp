@@ -11,7 +11,7 @@
 namespace cargobay::hal::jitter {
 namespace {
 
-// The first line; empty where there is none. A device tree's strings end in a null.
+// The first line; empty if there is none. Strings in a device tree end with a NUL.
 std::string line_of(const std::string& path) {
   std::ifstream file{path};
   std::string line;
@@ -29,7 +29,8 @@ std::string processor_of(const std::string& path) {
   return "";
 }
 
-// Of `uname -v`; a mainline kernel with PREEMPT_RT says so there since 6.12, older ones in a file.
+// From `uname -v`; a mainline kernel with PREEMPT_RT reports it there since 6.12, older ones in a
+// file.
 std::string preemption_of(const std::string& version, const std::string& realtime) {
   if (realtime == "1") return "PREEMPT_RT";
   for (const char* model : {"PREEMPT_RT", "PREEMPT_DYNAMIC", "PREEMPT"}) {
@@ -42,7 +43,7 @@ double as_seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-// The eighth figure behind "cpu" in /proc/stat, in clock ticks.
+// The eighth figure after "cpu" in /proc/stat, in clock ticks.
 double steal_s() {
   std::istringstream words{line_of("/proc/stat")};
   std::string word;

@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 using Verdict = Finding::Verdict;
 
-constexpr long kLeastRealtimePercent = 80;  // the loop needs 2, its neighbours may take some
+constexpr long kLeastRealtimePercent = 80;  // the loop needs 2, other threads may take some
 constexpr int kLongestTimerMs = 2;
-constexpr int kLongestWakeUs = 100;  // from sleep, a hundredth of the period and less
+constexpr int kLongestWakeUs = 100;  // from sleep: a hundredth of the period or less
 
 std::string contents(const fs::path& path) {
   std::ifstream file{path, std::ios::binary};
@@ -42,7 +42,7 @@ std::optional<long> number(std::string_view text) {
   return value;
 }
 
-// The entries of a folder by name; none where it cannot be read.
+// The entries of a folder by name; empty if it cannot be read.
 std::vector<fs::path> entries(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> found;
@@ -60,7 +60,7 @@ std::string joined(const std::set<std::string>& words) {
   return text;
 }
 
-// "0-3,5" are five.
+// "0-3,5" is five CPUs.
 int count_cpus(std::string_view list) {
   int count = 0;
   while (!list.empty()) {
@@ -85,7 +85,7 @@ Finding kernel(const fs::path& root) {
       "OS"};
 }
 
-// explain() puts the remedy behind a colon.
+// explain() puts the remedy after a colon.
 Finding refusal(std::string_view check, Verdict verdict, const rt::Refusal& refusal,
                 const rt::Rights& rights) {
   const std::string text = rt::explain(refusal, rights);
@@ -155,7 +155,7 @@ Finding governor(const fs::path& root) {
           "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"};
 }
 
-// Only of interest where the request at /dev/cpu_dma_latency is refused.
+// Only matters if the request at /dev/cpu_dma_latency is refused.
 std::optional<Finding> deep_sleep(const Examination& examination, const fs::path& root) {
   if (examination.grant.dma_latency_held) return std::nullopt;
   std::set<std::string> deep;
@@ -169,8 +169,8 @@ std::optional<Finding> deep_sleep(const Examination& examination, const fs::path
                  "see the line about /dev/cpu_dma_latency; or boot with cpuidle.off=1"};
 }
 
-// The real-time threads of other programs, whatever their priority. A guard, of whichever robot,
-// takes the CPU for a moment when all is over.
+// The real-time threads of other programs, at any priority. A guard, of any robot, takes the CPU
+// only for a moment, at the end.
 std::vector<Task> realtime_programs(const fs::path& root) {
   std::vector<Task> found;
   for (const fs::path& process : processes(root / "proc")) {
@@ -192,7 +192,7 @@ std::string joined(const std::vector<Task>& tasks) {
   return joined(words);
 }
 
-// Bytes of a terminal reach their reader through a kworker of ordinary priority.
+// Bytes of a terminal reach their reader through a kworker with ordinary priority.
 Finding kworkers(const fs::path& root, const std::vector<Task>& programs) {
   std::set<std::string> raised;
   for (const Task& task : kernel_threads(root / "proc")) {
@@ -225,9 +225,9 @@ Finding kworkers(const fs::path& root, const std::vector<Task>& programs) {
           "run no other real-time program on it, or take a board with more CPUs"};
 }
 
-// Ordinary programs keep the kworkers waiting too, where they want more than all CPUs.
+// Ordinary programs delay the kworkers too, if they want more than all CPUs.
 std::optional<Finding> load(const fs::path& root) {
-  double busy = 0.0;  // programs, on the average of the last minute (proc_loadavg(5))
+  double busy = 0.0;  // programs, averaged over the last minute (proc_loadavg(5))
   if (!(std::istringstream{contents(root / "proc/loadavg")} >> busy)) return std::nullopt;
   const int cpus = count_cpus(contents(root / "sys/devices/system/cpu/online"));
   if (cpus == 0) return std::nullopt;
@@ -280,7 +280,7 @@ std::optional<Finding> console(const fs::path& root, const std::string& tty) {
   return std::nullopt;
 }
 
-// A user each. As an ordinary user one does not see all of them.
+// One finding per user. An ordinary user does not see all of them.
 std::vector<Finding> users(const std::string& path, const fs::path& root) {
   const PortUsers users = find_port_users(path, root);
   std::vector<Finding> findings;

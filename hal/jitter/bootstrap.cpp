@@ -8,7 +8,7 @@
 namespace cargobay::hal::jitter {
 namespace {
 
-// The wanted value of all in `pool`, which is left in another order.
+// The requested percentile of all values in `pool`, which is reordered.
 double percentile_of(std::vector<std::uint32_t>& pool, double percent) {
   if (pool.empty()) return 0.0;
   const auto count = static_cast<double>(pool.size());
@@ -18,7 +18,7 @@ double percentile_of(std::vector<std::uint32_t>& pool, double percent) {
   return static_cast<double>(pool[static_cast<std::size_t>(index)]);
 }
 
-// As many slices as there are, each any of them.
+// Draws as many slices as there are, with replacement.
 class Draw {
  public:
   Draw(std::span<const Slice> slices, std::mt19937_64& random) : slices_{slices}, random_{random} {}

@@ -40,7 +40,7 @@ void Recorder::take(const Instants& frame) CARGOBAY_NONBLOCKING {
       const std::int64_t at_ns = frame.at(stage);
       if (at_ns == 0) continue;
       const auto index = static_cast<std::size_t>(stage);
-      // A stamp before the one it is counted from is the same instant, seen by two processors.
+      // A stamp before its reference is the same instant, read on two processors.
       const auto value =
           static_cast<std::uint64_t>(std::max<std::int64_t>(0, at_ns - frame.complete_ns));
       measured_.seen[index] = true;
@@ -61,7 +61,7 @@ void Recorder::headline(std::uint64_t value) CARGOBAY_NONBLOCKING {
   constexpr std::uint64_t kMost = 0xffff'ffffU;
   measured_.raw.record(value);
   std::vector<std::uint32_t>& slice = measured_.slices.back().headline_ns;
-  // Its room was made before the slice began.
+  // Its memory was reserved before the slice began.
   if (slice.size() < slice.capacity())
     rt::unchecked([&] { slice.push_back(static_cast<std::uint32_t>(std::min(value, kMost))); });
 }

@@ -1,6 +1,6 @@
-// What the timing-jitter benchmark measures, one thing a channel: the control loop on a robot, the
-// control loop on frames that come as fast as they are wanted, and beside them what the same kernel
-// does at its best: a bare answer through a pseudo-terminal, the same through a pipe, and a sleep.
+// What the timing-jitter benchmark measures, one thing per channel: the control loop on a robot,
+// the control loop on frames that come as fast as wanted, and for comparison the best that the same
+// kernel can do: a bare answer through a pseudo-terminal, the same through a pipe, and a sleep.
 #pragma once
 
 #include <algorithm>
@@ -22,30 +22,30 @@
 
 namespace cargobay::hal::jitter {
 
-// Instants on the way of one frame, each counted from when the frame was complete: when it is
-// handed to the kernel whole, or, on a robot, its last byte has come over the wire.
+// Instants on the way of one frame, each counted from the moment the frame was complete: handed to
+// the kernel as a whole or, on a robot, its last byte received over the wire.
 enum class Stage : std::uint8_t {
-  woken,    // the thread that waited for it runs again; of a sleep: from when it was due
+  woken,    // the thread that waits for it runs again; for a sleep: from when it was due
   decided,  // the user's control function is called
   written,  // the command has been given to the kernel
-  arrived,  // the command's last byte is at the other end
+  arrived,  // the command's last byte has reached the other end
 };
 inline constexpr std::array kStages{Stage::woken, Stage::decided, Stage::written, Stage::arrived};
 std::string_view name(Stage stage);
 
-// All channels are measured in slices, in turn, so that what the machine does meanwhile meets them
-// all. What a slice gave.
+// What one slice gave. The channels take turns, slice by slice, so that whatever else the machine
+// does affects them all.
 struct Slice {
   std::vector<std::uint32_t>
-      headline_ns;  // of the channel's own stage, in order; 2^32-1: or longer
+      headline_ns;  // of the channel's own stage, in order; 2^32-1: that or longer
 };
 
 struct Measured {
   std::string name{};
-  Stage headline = Stage::written;  // the figure that stands for the channel
+  Stage headline = Stage::written;  // the figure that represents the channel
   rt::Duration period{};
   std::uint64_t frames = 0;  // answered
-  std::uint64_t missed = 0;  // not before the next was due: the next answer is theirs as well
+  std::uint64_t missed = 0;  // not answered in time: the next answer is for them too
   std::array<rt::Histogram, kStages.size()> stages{};  // corrected for coordinated omission
   std::array<bool, kStages.size()> seen{};             // which of them this channel has
   rt::Histogram raw{};                                 // the headline's, as measured
@@ -58,20 +58,20 @@ struct Measured {
 struct Settings {
   rt::Duration period = std::chrono::milliseconds{1};  // of the channels that have no robot
   int priority = 80;
-  // Of the measured thread, and of the far end of a line without a robot. Where threads may wander
-  // a wake-up on the same processor takes half as long as one on another: two slices would differ
-  // by more than what is looked for. Nothing where there is only one processor.
+  // Of the measured thread, and of the far end of a line without a robot. If threads may migrate, a
+  // wake-up on the same processor takes half as long as one on another: two slices would differ by
+  // more than the effect of interest. Nothing if there is only one processor.
   std::optional<int> cpu{};
   std::optional<int> source_cpu{};
   std::size_t warm_up = 50;  // frames at the beginning of each slice that are not counted
   std::size_t slice_frames = 500;
 };
 
-// Of one frame, on CLOCK_MONOTONIC; 0 for a stage that was not seen.
+// The instants of one frame, on CLOCK_MONOTONIC; 0 for a stage that was not seen.
 struct Instants {
   std::int64_t complete_ns = 0;
   std::array<std::int64_t, kStages.size()> stage_ns{};
-  std::uint32_t missed = 0;  // frames before it that nobody answered: this answer is theirs too
+  std::uint32_t missed = 0;  // unanswered frames before it: this answer is for them too
 
   std::int64_t at(Stage stage) const CARGOBAY_NONBLOCKING {
     return stage_ns[static_cast<std::size_t>(stage)];
@@ -81,13 +81,13 @@ struct Instants {
   }
 };
 
-// Books the frames of one slice. One thread; take() does not allocate.
+// Records the frames of one slice. One thread; take() does not allocate.
 class Recorder {
  public:
   // Begins a slice in `measured`, which outlives it; allocates for all its frames.
   Recorder(Measured& measured, const Settings& settings);
   void take(const Instants& frame) CARGOBAY_NONBLOCKING;
-  // A frame that nobody answered, and no answer behind it.
+  // A frame without an answer, and none after it.
   void miss() CARGOBAY_NONBLOCKING { ++measured_.missed; }
 
  private:
@@ -99,15 +99,15 @@ class Recorder {
   std::int64_t last_ns_ = 0;
 };
 
-// Fills in the processors that are not set: the last that this process may use for what is
-// measured, the first other one for the far end.
+// Fills in the processors that are not set: the last that this process may use for the measured
+// thread, the first other one for the far end.
 void choose_processors(Settings& settings);
 
 class Channel {
  public:
   virtual ~Channel() = default;
-  // Measures one slice; blocks for as long as it takes, or until `stop` is set, from any thread.
-  // What was measured until then counts.
+  // Measures one slice; blocks until it is done, or until `stop` is set, from any thread. What was
+  // measured until then counts.
   virtual std::optional<Failure> run_slice(const std::atomic<bool>& stop) = 0;
   const Measured& measured() const { return measured_; }
   const rt::RealtimeGrant& grant() const { return grant_; }

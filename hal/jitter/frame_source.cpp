@@ -33,26 +33,25 @@ class Source {
       sleep_until(due);
       if (arrived_ns_ != 0) book();
       send(frame);
-      // A source that was held up itself skips ticks; like a robot it keeps its phase.
+      // A source that was delayed itself skips ticks but, like a robot, keeps its phase.
       do {
         due += settings_.period;
       } while (due < rt::Clock::now());
       look_for_command(due);
     }
     if (arrived_ns_ != 0) book();
-    if (waiting_) recorder_.miss();  // the last: its wait is not known
+    if (waiting_) recorder_.miss();  // the last frame: how long it waited is unknown
   }
 
  private:
   void send(std::size_t frame) {
     if (!waiting_) drop_stale_answers();
-    // Looked at before the bytes are handed over: the measured thread may run before write()
-    // returns.
+    // Read before the bytes are handed over: the measured thread may run before write() returns.
     const rt::TimePoint complete = rt::Clock::now();
     const bool held = held_.every != 0 && (frame + 1) % held_.every == 0;
     if (held) sleep_until(complete + held_.by);
     const FrameBytes& bytes = frames_[static_cast<std::size_t>(list_)];
-    (void)!::write(line_.to_measured, bytes.data(), bytes.size());  // a queue of 4 KiB takes it
+    (void)!::write(line_.to_measured, bytes.data(), bytes.size());  // fits in a queue of 4 KiB
     if (waiting_) {
       ++now_.missed;
       return;
@@ -62,7 +61,7 @@ class Source {
     waiting_ = true;
   }
 
-  // Until the command is here, or `deadline`.
+  // Waits until the command is here, or until `deadline`.
   void look_for_command(rt::TimePoint deadline) {
     while (waiting_) {
       const rt::Duration left = deadline - rt::Clock::now();
@@ -77,7 +76,7 @@ class Source {
     }
   }
 
-  // Behind a frame that was answered late the next was answered too, at once.
+  // After a frame that was answered late, the next one was answered at once as well.
   void drop_stale_answers() {
     std::array<std::uint8_t, 256> bytes{};
     for (;;) {
@@ -108,8 +107,8 @@ class Source {
     return FrameList::reading;
   }
 
-  // By now the thread that wrote the command has stamped it: it goes before this one. On another
-  // processor it may be a moment later.
+  // By now the thread that wrote the command has stamped it, because it runs before this one. On
+  // another processor it may be a moment later.
   void book() {
     const std::uint64_t answers = answers_ + 1;
     for (int i = 0; stamps_.answers.load(std::memory_order_acquire) < answers && i < 1'000'000;

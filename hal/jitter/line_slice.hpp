@@ -1,6 +1,6 @@
 // One slice of a channel whose frames come from a FrameSource: the measured thread and the source,
-// each with real-time rights, the source just below, so that on one processor the measured thread
-// has gone back to sleep before anybody looks at what it wrote.
+// both with real-time rights, the source just below, so that on a single processor the measured
+// thread has gone back to sleep before the source reads what it wrote.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 
 namespace cargobay::hal::jitter {
 
-// Of the pseudo-terminals: bytes pass at any rate.
+// For the pseudo-terminals: they pass bytes at any rate.
 inline constexpr std::uint32_t kPtyBaud = 115200;
 
-// `answer` runs on the measured thread until `end` has made it return; `end` is called once, when
-// the source has sent all its frames. Fails where a thread cannot be made.
+// `answer` runs on the measured thread until `end` makes it return; `end` is called once, when the
+// source has sent all its frames. Fails if a thread cannot be made.
 std::optional<Failure> run_line_slice(const Line& line, const Settings& settings,
                                       const HeldFrame& held, Stamps& stamps, Measured& measured,
                                       rt::RealtimeGrant& grant, const std::function<void()>& answer,

@@ -13,10 +13,10 @@
 namespace cargobay::hal::jitter {
 namespace {
 
-// Of a robot; the wire takes the same share of a shorter tick.
+// The rate of a robot; the wire takes the same share of a shorter tick.
 constexpr std::int64_t kRobotBaud = 57600;
 
-// The wheels of nobody: a speed that changes, so that no branch is left out.
+// Drives no wheels: the speed changes, so that every branch runs.
 rt::WheelSpeeds decide(void* context, const CycleState& state, double /*seconds*/)
     CARGOBAY_NONBLOCKING {
   auto& stamps = *static_cast<Stamps*>(context);

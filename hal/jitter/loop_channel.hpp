@@ -1,4 +1,4 @@
-// The control cycle as it ships, on frames that come each period instead of each 15 ms: decoder,
+// The control cycle as it ships, on frames that come every period instead of every 15 ms: decoder,
 // estimator, controller, accounting and recorder, over a pseudo-terminal.
 #pragma once
 

@@ -13,13 +13,13 @@
 namespace cargobay::hal::jitter {
 namespace {
 
-// What the virtual Create tells, from its own thread.
+// What the virtual Create reports, from its own thread.
 struct Wire {
   std::atomic<std::int64_t> complete_ns{0};  // of the newest frame
   std::atomic<std::int64_t> arrived_ns{0};   // of the newest command
 };
 
-// Books each frame when the next is here: by then its command has arrived, or never will.
+// Records each frame when the next one arrives: by then its command has arrived, or never will.
 class Books {
  public:
   Books(Recorder& recorder, Stamps& stamps, const Wire* wire, std::size_t frames)
@@ -43,7 +43,7 @@ class Books {
     frame_ = {.complete_ns = woken};
     if (wire_ != nullptr) {
       frame_.complete_ns = wire_->complete_ns.load(std::memory_order_relaxed);
-      // The next tick has begun: its frame cannot be here.
+      // The virtual Create has begun the next tick, whose frame cannot be here yet.
       if (frame_.complete_ns > woken) frame_.complete_ns -= oi::kTick.count();
       frame_.set(Stage::woken, woken);
     }
@@ -75,7 +75,7 @@ class RobotChannel final : public Channel {
     if (server_ == nullptr) return;
     const rt::Duration frame = oi::wire_time(kFrameBytes, stream_->baud());
     server_->with_device([this, frame](sim::Device& device) {
-      // Others listen too: the server keeps the truth of each tick.
+      // The server listens too: it keeps the truth of each tick.
       former_on_tick_ = std::move(device.on_tick);
       former_on_drive_ = std::move(device.on_drive);
       device.on_tick = [this, frame](const sim::Device& robot) {
@@ -91,7 +91,7 @@ class RobotChannel final : public Channel {
     });
   }
   ~RobotChannel() override {
-    duty_.reset();  // it was told to stand still all the while
+    duty_.reset();  // the robot was told to stand still all the time
     if (server_ == nullptr) return;
     server_->with_device([this](sim::Device& device) {
       device.on_tick = std::move(former_on_tick_);
@@ -116,7 +116,7 @@ class RobotChannel final : public Channel {
   }
 
   std::optional<Failure> run_slice(const std::atomic<bool>& stop) override {
-    // What it sent while others were measured is of no interest.
+    // Discards what it sent while other channels were measured.
     stream_->discard_input();
     Recorder recorder{measured_, settings_};
     Stamps stamps;

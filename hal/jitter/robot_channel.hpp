@@ -1,5 +1,5 @@
 // The control cycle on a robot: a real one at a port, whose wheels are told to stand still, or a
-// virtual Create, which also tells when a frame had come over the wire and when a command had.
+// virtual Create, which also reports when a frame or a command had passed the wire.
 #pragma once
 
 #include "hal/jitter/channel.hpp"
@@ -9,10 +9,10 @@
 
 namespace cargobay::hal::jitter {
 
-// Brings the robot up, as hal/bring_up/bring_up.hpp does; when the channel is destroyed it is left
-// in Passive. `server`: the virtual Create at the stream's other end, which outlives the channel;
-// null for a robot. Then frames are complete when they wake the loop, and none is held back: `held`
-// is for the virtual Create's line, as its fault `held`.
+// Brings the robot up, as in hal/bring_up/bring_up.hpp; when the channel is destroyed the robot is
+// left in Passive. `server`: the virtual Create at the stream's other end, which outlives the
+// channel; null for a real robot. Frames of a real robot count as complete when they wake the loop,
+// and none is held back: `held` is for the virtual Create's line, like its fault `held`.
 Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
                                                     sim::Server* server, const Settings& settings,
                                                     const HeldFrame& held = {});

@@ -11,7 +11,7 @@
 namespace cargobay::hal::jitter {
 namespace {
 
-// A slice of a robot's takes as long as one of the others.
+// Makes a slice of the robot's channel take as long as one of the others.
 Settings of_robot(Settings settings) {
   const auto as_long = [&settings](std::size_t frames) {
     const auto scaled =

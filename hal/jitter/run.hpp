@@ -1,4 +1,4 @@
-// One run of the benchmark: all channels in turn, a slice each, round after round.
+// One run of the benchmark: one slice of each channel in turn, round after round.
 #pragma once
 
 #include <atomic>
@@ -14,8 +14,8 @@
 
 namespace cargobay::hal::jitter {
 
-// By name, in the order in which they are measured and told of. "again" is "echo" once more, under
-// another name: what the two differ by is what no difference means anything below.
+// By name, in the order in which they are measured and reported. "again" is "echo" once more, under
+// another name: any difference not larger than that between these two means nothing.
 inline constexpr std::array<std::string_view, 6> kChannelNames{"robot", "loop", "echo",
                                                                "again", "pipe", "sleep"};
 
@@ -23,19 +23,19 @@ struct RunRequest {
   std::vector<std::string> channels{};  // of the names above
   Settings settings{};                  // of the channels without a robot
   std::size_t rounds = 1;
-  HeldFrame held{};  // of loop and echo, and of a virtual Create's line
-  // For the channel "robot": at the right rate already.
+  HeldFrame held{};  // for loop and echo, and for a virtual Create's line
+  // For the channel "robot": already at the right rate.
   std::unique_ptr<ByteStream> robot{};
-  sim::Server* server = nullptr;  // at its other end; null for a real robot
+  sim::Server* server = nullptr;  // at the robot's other end; null for a real robot
 };
 
 class Run {
  public:
-  // Makes the channels, and brings the robot up where it is one of them.
+  // Makes the channels, and brings the robot up if it is one of them.
   static Result<std::unique_ptr<Run>> prepare(RunRequest request);
 
-  // Blocks until all rounds are done or `stop` is set. `progress` is called between two slices with
-  // the share that is done. What was measured before a failure or a stop stays.
+  // Blocks until all rounds are done or `stop` is set. `progress` is called between slices with the
+  // fraction done. What was measured before a failure or a stop is kept.
   std::optional<Failure> measure(const std::atomic<bool>& stop,
                                  const std::function<void(double done)>& progress);
 

@@ -1,4 +1,4 @@
-// Frames as a robot in Safe mode sends them that moves slowly and has nothing to tell.
+// Frames as a robot sends them in Safe mode while it moves slowly and has nothing to report.
 #pragma once
 
 #include <array>

@@ -35,7 +35,7 @@ class SleepChannel final : public Channel {
       Instants wake{.complete_ns = due};
       wake.set(Stage::woken, woken);
       recorder.take(wake);
-      // Those that passed meanwhile are left out, as cyclictest does; the correction counts them.
+      // Skips the periods that passed meanwhile, as cyclictest does; the correction counts them.
       do {
         due += settings_.period.count();
       } while (due < woken);

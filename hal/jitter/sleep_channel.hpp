@@ -1,5 +1,5 @@
 // How late the kernel wakes a thread that sleeps until an absolute time: what cyclictest measures,
-// in the way it does (rt-tests, src/cyclictest: clock_nanosleep, TIMER_ABSTIME, CLOCK_MONOTONIC).
+// done the same way (rt-tests, src/cyclictest: clock_nanosleep, TIMER_ABSTIME, CLOCK_MONOTONIC).
 #pragma once
 
 #include "hal/jitter/channel.hpp"

@@ -1,5 +1,5 @@
-// A stream that notes when its user woke and when its command was with the kernel: two looks at the
-// clock a frame, and nothing else between the loop and its port.
+// A stream that notes when its user woke and when its command was handed to the kernel: two clock
+// reads per frame, and nothing else between the loop and its port.
 #pragma once
 
 #include "hal/jitter/frame_source.hpp"
@@ -9,7 +9,7 @@ namespace cargobay::hal::jitter {
 
 class StampedStream final : public ForwardingStream {
  public:
-  // Both outlive it. `baud` is the rate it says it has: where ticks are short, one to go with them.
+  // Both outlive it. `baud` is the rate it claims to have: for short ticks, one to match.
   StampedStream(ByteStream& stream, Stamps& stamps, std::uint32_t baud)
       : ForwardingStream{stream}, stamps_{stamps}, baud_{baud} {}
 

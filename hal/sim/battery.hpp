@@ -19,21 +19,21 @@ struct BatteryParameters {
   double trickle_ma = 40.0;
 };
 
-// What is in the battery's place (OI p. 19).
+// What is in the battery compartment (OI p. 19).
 enum class BatteryPack : std::uint8_t { rechargeable, alkaline };
 
 constexpr std::string_view name(BatteryPack pack) {
   return pack == BatteryPack::alkaline ? "alkaline" : "rechargeable";
 }
 
-// What keeps a charger from charging: packet 21 has numbers for it, the manual no reasons.
+// Why a charger does not charge: packet 21 has numbers for it, the manual gives no reasons.
 enum class ChargingTrouble : std::uint8_t { none, waiting, fault };
 
 class Battery {
  public:
   explicit Battery(const BatteryParameters& parameters) : parameters_{parameters} {}
 
-  // `load_ma` is drawn; what charges does so only where it may: Safe and Full end it (OI p. 6).
+  // The robot draws `load_ma`. A charger charges only if it may: Safe and Full end it (OI p. 6).
   void advance(rt::Duration period, double load_ma, bool source, bool may_charge) {
     state_ = source && may_charge ? state_at_source() : oi::ChargingState::not_charging;
     current_ma_ = -load_ma;
@@ -51,7 +51,7 @@ class Battery {
   void set_charge_mah(double charge_mah) {
     parameters_.charge_mah = std::clamp(charge_mah, 0.0, capacity_mah());
   }
-  // A full one.
+  // Inserts a full battery.
   void insert(BatteryPack pack) {
     pack_ = pack;
     set_charge_mah(capacity_mah());
@@ -63,8 +63,8 @@ class Battery {
   double capacity_mah() const {
     return pack_ == BatteryPack::alkaline ? kAlkalineMah : parameters_.capacity_mah;
   }
-  // Packets 25 and 26. The robot counts down from the capacity of its own pack: with alkaline cells
-  // neither is right, as the manual warns.
+  // Packets 25 and 26. The robot counts down from the capacity of its own pack; with alkaline cells
+  // both are wrong, as the manual warns.
   double reported_charge_mah() const {
     return std::max(0.0, reported_capacity_mah() - (capacity_mah() - charge_mah()));
   }
@@ -72,7 +72,7 @@ class Battery {
   double current_ma() const { return current_ma_; }
   double temperature_deg_c() const { return parameters_.temperature_deg_c; }
   // Twelve cells: from 13.2 V empty to 16.2 V full, alkaline ones from 10.8 V to 18 V, less 0.2 ohm
-  // times what is drawn.
+  // times the current drawn.
   double voltage_mv() const {
     const double part = charge_mah() / capacity_mah();
     const double at_rest_mv =
@@ -89,10 +89,10 @@ class Battery {
 
  private:
   static constexpr double kDeeplyDischarged = 0.02;
-  static constexpr double kAlkalineMah = 2000.0;  // of twelve AA cells, about
+  static constexpr double kAlkalineMah = 2000.0;  // twelve AA cells, roughly
 
   oi::ChargingState state_at_source() const {
-    // Cells that cannot be charged are not.
+    // Cells that cannot be charged are not charged.
     if (trouble_ == ChargingTrouble::fault || pack_ == BatteryPack::alkaline)
       return oi::ChargingState::fault;
     if (trouble_ == ChargingTrouble::waiting) return oi::ChargingState::waiting;

@@ -1,5 +1,5 @@
-// What the surroundings do to the robot: everything its sensors would see. The world, a test or the
-// control socket sets it; the robot looks at it once a tick.
+// What the surroundings do to the robot: everything that its sensors would see. Set by the world, a
+// test or the control socket; the robot reads it once a tick.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ struct CliffSensor {
 
 inline constexpr std::uint8_t kNoInfrared = 255;
 
-// What a Home Base sends: 240 and 8 of its red buoy, 4 of its green one, 2 of its force field
-// (OI p. 18). A robot that is docked sees all three.
+// What a Home Base sends: 240, plus 8 for its red buoy, 4 for its green one, 2 for its force field
+// (OI p. 18). A docked robot sees all three.
 inline constexpr std::uint8_t kInfraredWhenDocked = 254;
 constexpr bool has_force_field(std::uint8_t infrared) {
   return infrared >= 240 && (infrared & 0b11U) == 0b10U;
@@ -43,7 +43,7 @@ struct Inputs {
   bool overcurrent_right_wheel = false;
   std::array<bool, 3> overcurrent_low_side_driver{};
   bool charger = false;    // plugged in and powered
-  bool home_base = false;  // docked on a powered one
+  bool home_base = false;  // docked on a powered Home Base
 
   bool any_wheel_drop() const { return wheel_drop_left || wheel_drop_right || wheel_drop_caster; }
   bool any_cliff() const {

@@ -24,7 +24,7 @@ void Odometer::latch(std::int64_t left_counts, std::int64_t right_counts) {
   const double right_mm = static_cast<double>(right_counts - right_counts_) * mm_per_count_;
   left_counts_ = left_counts;
   right_counts_ = right_counts;
-  // Not polled often enough, the sums stop at their ends (OI p. 18).
+  // If they are not polled often enough, the sums saturate (OI p. 18).
   distance_mm_ = std::clamp(distance_mm_ + 0.5 * (left_mm + right_mm), kLowest, kHighest);
   angle_deg_ = std::clamp(angle_deg_ + (right_mm - left_mm) * deg_per_mm_, kLowest, kHighest);
 }

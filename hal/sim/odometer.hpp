@@ -1,5 +1,5 @@
-// Packets 19 and 20: what the robot makes of its encoder counts. Every read takes whole millimetres
-// or degrees, truncated toward zero, and clears, whichever way it came (OI p. 18, 19).
+// Packets 19 and 20: what the robot computes from its encoder counts. Every read takes whole
+// millimetres or degrees, truncated toward zero, and clears them, whatever the read (OI p. 18, 19).
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ class Odometer {
  public:
   explicit Odometer(const Parameters& parameters);
 
-  // Takes in the encoders' counts as they stand at a tick.
+  // Takes the counts of the encoders at a tick.
   void latch(std::int64_t left_counts, std::int64_t right_counts);
 
-  // Travelled and turned since the last read, at most what 16 bits hold.
+  // Distance and angle since the last read, limited to 16 bits.
   oi::Mm take_distance();
   oi::Deg take_angle();
 
-  // The same without reading: what the Wait commands watch (OI p. 16).
+  // The same without reading, as the Wait commands watch it (OI p. 16).
   double distance_mm() const { return distance_mm_; }
   double angle_deg() const { return angle_deg_; }
   void reset_distance() { distance_mm_ = 0.0; }

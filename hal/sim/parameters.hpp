@@ -1,4 +1,4 @@
-// What kind of robot the virtual Create is. The defaults are the robots that owners describe.
+// What kind of robot the virtual Create is. The defaults are a robot as owners describe theirs.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace cargobay::hal::sim {
 
-// What becomes of the part of a millimetre or degree that a read of packet 19 or 20 leaves behind.
+// What happens to the fraction of a millimetre or degree that a read of packet 19 or 20 leaves.
 // Both kinds of robot exist (docs/protocol.md).
 enum class Remainder : std::uint8_t { carried, lost };
 
@@ -21,38 +21,38 @@ inline constexpr double kAllAroundDeg = 360.0;
 inline constexpr rt::Duration kPowerOnTime = std::chrono::milliseconds{3500};  // deaf, booting
 
 struct WheelParameters {
-  double lag_s = 0.100;      // of the first order, from commanded to true speed; above 0
-  double droop_left = 0.06;  // part of the commanded speed the wheel falls short by
+  double lag_s = 0.100;      // first-order lag from commanded to true speed; above 0
+  double droop_left = 0.06;  // part of the commanded speed that the wheel falls short by
   double droop_right = 0.10;
   double dead_band_mm_s = 10.0;   // commanded speeds below this do not turn the wheel
   double counts_per_mm = 7.8324;  // of the encoders
   double wheel_base_mm = oi::kWheelBaseMm;
-  // The speed a turning wheel is driven to wanders: standard deviation and correlation time of
-  // that. 0 mm/s: it does not, and the seed does not matter.
+  // The speed that a turning wheel is driven at wanders: standard deviation and correlation time.
+  // If it is 0 mm/s the speed does not wander, and the seed does not matter.
   double noise_mm_s = 1.0;
   double noise_lag_s = 0.150;
 };
 
-// How the robot is found.
+// The state in which the robot is found.
 enum class PowerOn : std::uint8_t {
   long_ago,  // it has booted, and waits for Start
   now,       // it boots: deaf for 3.5 s
-  never,     // it is off until somebody presses its button
+  never,     // it is off until its button is pressed
 };
 
 struct Parameters {
   Remainder remainder = Remainder::carried;
   oi::Checksum checksum = oi::Checksum::including_header;  // of stream frames
-  std::uint32_t boot_baud = oi::kDefaultBaud;  // 57600 or 19200 (OI p. 5); any rate is taken
+  std::uint32_t boot_baud = oi::kDefaultBaud;  // 57600 or 19200 (OI p. 5); any rate is accepted
   std::uint64_t seed = 1;
   rt::Duration first_tick = oi::kTick;  // from power-on; then every 15 ms
-  std::size_t transmit_bytes = 1024;    // room for what waits to be sent; more is lost
-  // What firmware of 2007-09-24 knows beyond the manual: packets 43 and 44, opcodes 7 and 8.
+  std::size_t transmit_bytes = 1024;    // room for bytes waiting to be sent; more are lost
+  // What firmware of 2007-09-24 has beyond the manual: packets 43 and 44, opcodes 7 and 8.
   oi::Extensions extensions = oi::Extensions::off;
   PowerOn power_on = PowerOn::long_ago;
-  bool charging_text = true;  // a line of text each second while it charges, among the replies
-  // How far around the infrared receiver sees, the front in the middle. Less than 360 is a receiver
-  // with tape over its back and sides, as demos Home and Tag ask for (OI p. 8).
+  bool charging_text = true;  // while charging, a line of text each second among the replies
+  // How wide the infrared receiver sees, centred on the front. Less than 360 is a receiver with
+  // tape over its back and sides, as the demos Home and Tag ask for (OI p. 8).
   double receiver_opening_deg = kAllAroundDeg;
   WheelParameters wheels{};
   BatteryParameters battery{};

@@ -1,5 +1,5 @@
-// Random numbers that are the same for a seed on every machine: the standard library's
-// distributions are not.
+// Random numbers that are the same for a given seed on every machine; those of the standard
+// library's distributions are not.
 #pragma once
 
 #include <array>
@@ -32,14 +32,14 @@ class Random {
     state_[3] = std::rotl(state_[3], 45);
     return result;
   }
-  // 0 up to, not including, 1.
+  // From 0 up to, but not including, 1.
   constexpr double uniform() { return static_cast<double>(next() >> 11U) * 0x1p-53; }
-  // 0 up to, not including, `bound`, which is not 0. The bias of the remainder is below 1e-9.
+  // From 0 up to, but not including, `bound`, which is not 0. The modulo bias is below 1e-9.
   constexpr std::uint32_t below(std::uint32_t bound) {
     return static_cast<std::uint32_t>(next() % bound);
   }
-  // Mean 0, standard deviation 1, never beyond 6: twelve uniform numbers, less their mean. Sums
-  // alone, so that no two mathematical libraries can disagree.
+  // Mean 0, standard deviation 1, never beyond 6: the sum of twelve uniform numbers, less its mean.
+  // Only additions, so that no two mathematical libraries can disagree.
   constexpr double normal() {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += uniform();

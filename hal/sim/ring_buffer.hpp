@@ -1,4 +1,4 @@
-// A queue whose room is taken once: no heap after construction. For one thread.
+// A queue that allocates once: no heap after construction. For one thread.
 #pragma once
 
 #include <cassert>
@@ -18,7 +18,7 @@ class RingBuffer {
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == slots_.size(); }
 
-  // False, and nothing changed, where it is full.
+  // False if it is full; nothing changes then.
   [[nodiscard]] bool push_back(const T& element) {
     if (full()) return false;
     slots_[wrapped(size_)] = element;

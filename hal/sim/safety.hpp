@@ -26,7 +26,7 @@ constexpr std::string_view name(Hazard hazard) {
 inline constexpr double kRobotRadiusMm = 165.0;
 
 // Whether the robot drives toward what its cliff sensors, which are at the front, can see: forward,
-// or anyhow around a centre within its own circle. `wheel_base_mm` is not 0.
+// or in any direction around a centre within its own circle. `wheel_base_mm` is not 0.
 inline bool cliffs_matter(WheelSpeeds commanded, double wheel_base_mm) {
   const double left = commanded.left_mm_s;
   const double right = commanded.right_mm_s;
@@ -36,7 +36,7 @@ inline bool cliffs_matter(WheelSpeeds commanded, double wheel_base_mm) {
   return 0.5 * wheel_base_mm * std::abs(right + left) < kRobotRadiusMm * apart;
 }
 
-// What Safe mode reacts to; nothing where all is well.
+// What Safe mode reacts to; nothing if all is well.
 inline std::optional<Hazard> hazard(const Inputs& seen, WheelSpeeds commanded,
                                     double wheel_base_mm) {
   if (seen.any_wheel_drop()) return Hazard::wheel_drop;

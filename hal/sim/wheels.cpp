@@ -11,10 +11,10 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// Below this a wheel whose command is 0 stands; an exponential never would.
+// Below this speed a wheel whose command is 0 stops; an exponential never would.
 constexpr double kStandsBelowMmPerSec = 1e-6;
 // The pose is integrated by quadrature in steps no longer than this; its error is then below
-// 1e-9 mm a step for any lag that moves a robot.
+// 1e-9 mm per step for any lag that moves a robot.
 constexpr double kLongestStepS = 0.015;
 
 }  // namespace
@@ -129,7 +129,7 @@ void Wheels::advance(rt::Duration period) {
 }
 
 // Speed and heading are known in closed form at every instant of the step; the path along them is
-// not, and is integrated by Gauss and Legendre's three points.
+// not, and is integrated with three-point Gauss-Legendre quadrature.
 void Wheels::step(double period_s) {
   struct Point {
     double place;

@@ -1,5 +1,5 @@
 // The drive train and where it takes the robot: two wheels with lag, droop and dead band, their
-// encoders, and the pose. No clock: time is what advance() is given.
+// encoders, and the pose. No clock: time passes only through advance().
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace cargobay::hal::sim {
 
-// On the floor: x ahead and y to the left of where the robot stood at the beginning,
+// On the floor: x points ahead and y to the left of where the robot stood at the beginning,
 // counter-clockwise positive.
 struct Pose {
   double x_mm = 0.0;
@@ -22,19 +22,19 @@ struct Pose {
 using rt::WheelSpeeds;
 
 // One wheel. Between two changes its speed is an exponential, and travel and counts follow from it
-// in closed form: how advance() is cut into pieces does not matter.
+// in closed form: the way time is divided into calls of advance() does not matter.
 class Wheel {
  public:
   Wheel(const WheelParameters& parameters, double droop);
 
-  // The speed commanded. Below the dead band the wheel does not turn.
+  // The commanded speed. Below the dead band the wheel does not turn.
   void set_command(double command_mm_s);
-  // What disturbs the speed it is driven to, from now on.
+  // A disturbance of the speed that it is driven at, from now on.
   void set_disturbance(double disturbance_mm_s);
   void advance(double period_s);
-  // Holds the wheel (it does not turn, and counts nothing) or lets go of it.
+  // Holds the wheel (it does not turn, and counts nothing) or releases it.
   void set_blocked(bool blocked);
-  // Turns it from outside, as long as its motor does not.
+  // Turns it from outside while its motor does not.
   void set_turned(double turned_mm_s);
 
   double speed_mm_s() const { return speed_mm_s_; }
@@ -45,10 +45,10 @@ class Wheel {
   double travel_after(double period_s) const;
 
   // Encoder counts. The encoder has one channel and cannot see the direction: its counts take the
-  // sign of the commanded one, and after a command of 0 keep the last. Turned from outside they go
-  // up either way (OI p. 16).
+  // sign of the commanded one, and keep the last sign after a command of 0. Turned from outside,
+  // they go up either way (OI p. 16).
   std::int64_t counts() const { return counts_; }
-  // All of them, whatever the direction.
+  // All of them, regardless of direction.
   std::int64_t edges() const { return edges_; }
 
  private:
@@ -77,11 +77,11 @@ class Wheels {
 
   void set_command(WheelSpeeds command);
   void advance(rt::Duration period);
-  // Draws the disturbance of the next 15 ms: call it once a tick.
+  // Draws the disturbance for the next 15 ms: call it once a tick.
   void tick();
   void place(const Pose& pose) { pose_ = pose; }
   void set_blocked(bool left, bool right);
-  // Turns them from outside from now on: by hand, or by a push. Motors are stronger.
+  // Turns them from outside from now on, by hand or by a push. The motors are stronger.
   void set_turned(WheelSpeeds turned);
 
   const Pose& pose() const { return pose_; }
@@ -101,7 +101,7 @@ class Wheels {
   double wheel_base_mm_;
   double noise_mm_s_;
   double noise_keep_;
-  double left_noise_ = 0.0;  // of standard deviation 1
+  double left_noise_ = 0.0;  // standard deviation 1
   double right_noise_ = 0.0;
   Random random_;
 };

@@ -1,4 +1,4 @@
-// Lines of text as words and numbers.
+// Splits lines of text into words and numbers.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace cargobay::hal::sim {
 
-// Takes the next word off the front of `rest`; empty where there is none.
+// Takes the next word off the front of `rest`; empty if there is none.
 inline std::string_view next_word(std::string_view& rest) {
   constexpr std::string_view kBlank = " \t\r";
   rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
@@ -21,7 +21,7 @@ inline std::string_view next_word(std::string_view& rest) {
 
 inline bool no_more_words(std::string_view rest) { return next_word(rest).empty(); }
 
-// The word as a number; nothing where it is none, or beyond the bounds.
+// The word as a number; nothing if it is not one, or is out of bounds.
 inline std::optional<double> to_number(std::string_view word, double lowest, double highest) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What a program may rely on: one that was compiled against the first header runs with this library,
-# one that was compiled against a later header runs as far as this library knows what it asks for,
-# and nothing that was there is gone or different.
+# What a program may rely on: if compiled against the first header, it runs with this library; if
+# compiled against a later header, it runs as far as this library knows what it asks for; and
+# nothing in the API has disappeared or changed.
 # usage: tests/abi/check.sh LIBRARY COMMAND [--dump]
 #   LIBRARY  libcargobay.so, with debug information
 #   COMMAND  the command cargobay, which the programs replay their recordings with
@@ -38,7 +38,7 @@ run() {
 }
 
 run first_header tests/abi/first tests/capi/virtual_time.c
-# Every struct that may grow has grown.
+# Makes every struct that may grow larger.
 mkdir "$work/later"
 awk '
   /^struct cargobay_[a-z_]+ [{]$/ { inside = 1; grows = 0 }
@@ -56,7 +56,7 @@ elif ! command -v abidiff > /dev/null; then
   failed=1
 else
   dumped > "$work/now.abi"
-  # What was added is no harm.
+  # Additions do no harm.
   abidiff --no-added-syms "$dump" "$work/now.abi" || { echo "check.sh: the ABI has changed" >&2; failed=1; }
 fi
 ((!failed))

@@ -1,4 +1,4 @@
-// What a tick of the loop costs, part by part, each beside the least that could stand in its place.
+// What a tick of the loop costs, part by part, each compared with the least that could replace it.
 
 #include <array>
 #include <cstring>
@@ -24,7 +24,7 @@ using namespace cargobay;  // NOLINT(google-build-using-namespace): the subject 
 
 constexpr rt::WheelSpeeds kSpeeds{200.0, 150.0};
 
-// The floor of whatever is one call a tick.
+// The floor for anything that is one call a tick.
 [[gnu::noinline]] void nothing() { benchmark::ClobberMemory(); }
 void empty_call(benchmark::State& state) {
   for (auto _ : state) nothing();
@@ -73,7 +73,7 @@ void histogram_record(benchmark::State& state) {
 }
 BENCHMARK(histogram_record);
 
-// The same numbers, into one counter of as many as there are buckets.
+// The same numbers, each into one of as many counters as there are buckets.
 void histogram_floor(benchmark::State& state) {
   std::array<std::uint64_t, 4096> counts{};
   std::uint64_t value = 1;
@@ -109,7 +109,7 @@ void mailbox_floor(benchmark::State& state) {
 }
 BENCHMARK(mailbox_floor);
 
-// A frame's way through the cycle, from waiting to waiting.
+// A frame's way through the cycle, from one wait to the next.
 struct Rounds {
   benchmark::State* state;
   hal::ControlCycle* cycle;
@@ -148,7 +148,7 @@ void bare_echo(benchmark::State& state) {
   const auto command = *oi::encode(oi::DriveDirect{.left = {}, .right = {}});
   std::array<std::uint8_t, 1024> bytes{};
   test::MemoryStream memory{kForEver};
-  // Called as the cycle calls it: which stream it is the compiler is not to know.
+  // Called as the cycle calls it: the compiler must not know which stream it is.
   hal::ByteStream* volatile unknown = &memory;
   hal::ByteStream& stream = *unknown;
   for (auto _ : state) {

@@ -1,5 +1,5 @@
-// What the codec costs, next to the least that the same bytes could cost: the decoder beside only
-// summing them, the encoder beside only copying them.
+// What the codec costs, compared with the least that the same bytes could cost: the decoder with
+// just summing them, the encoder with just copying them.
 
 #include <array>
 #include <cstdint>
@@ -27,8 +27,8 @@ SensorValues random_values(std::mt19937& random) {
   return values;
 }
 
-// What a robot is really asked for, shortest first; 3 has 19s in half of its data; 4 is the stream
-// of windows, in which every tenth frame has another list.
+// What a robot is really asked for, shortest first; 3 has 19s in half of its data; 4 is the window
+// stream, in which every tenth frame has another list.
 std::vector<PacketId> list(std::int64_t kind, std::size_t frame) {
   using enum PacketId;
   if (kind == 4 && frame % 10 != 0) return {oi_mode};
@@ -131,8 +131,8 @@ void decode_noise(benchmark::State& state) {
 }
 BENCHMARK(decode_noise)->ArgName("with_19s")->Arg(0)->Arg(1);
 
-// A frame with a wrong checksum, in which every third byte begins another, of the same end and with
-// a wrong checksum too.
+// A frame with a wrong checksum, in which every third byte begins another with the same end, also
+// with a wrong checksum.
 void decode_worst_line(benchmark::State& state) {
   std::vector<std::uint8_t> frame{kFrameHeader, 255};
   for (std::size_t left = 252; frame.size() + 1 < kMaxFrameBytes; left -= 3) {

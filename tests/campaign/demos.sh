@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs the demos in rooms by chance and puts the table and three drawings into docs.
+# Runs the demos in random rooms and puts the table and three drawings into docs.
 # usage: tests/campaign/demos.sh [N [FOLDER]]
-#   N       so many rooms, 1000 unless told; the first is 501: those before were developed on
+#   N       number of rooms, 1000 by default, from 501 on: the demos were developed on the others
 #   FOLDER  gets the drawings of each demo in the first ten of them
 # Builds the dev preset's demo_rooms. Exit status 1 if something promised does not hold.
 set -euo pipefail

@@ -19,16 +19,16 @@ enum class Course {
 };
 
 struct FaultCase {
-  std::string_view name{};   // of the row; no other has it
+  std::string_view name{};   // of the row, unique
   std::string_view begin{};  // for sim::apply_fault()
-  std::string_view end{};    // the same; empty where the fault ends by itself
-  std::string_view lasts{};  // for the table, where it does not
+  std::string_view end{};    // the same; empty if the fault ends by itself
+  std::string_view lasts{};  // for the table, if it does not
   rt::Duration shortest{0};  // from begin to end; drawn for each drive
-  rt::Duration longest{0};   // the same
-  rt::Duration lingers{0};   // behind the end: what the line held up it still hands over
+  rt::Duration longest{0};   // from begin to end
+  rt::Duration lingers{0};   // after the end: the line may still deliver what it held up
   bool damages_frames = false;
-  bool damages_commands = false;  // the robot may take one for another, or for nothing at all
-  bool may_silence = false;       // or for one by which it sends less, or other frames
+  bool damages_commands = false;  // the robot may take one for another, or ignore it
+  bool may_silence = false;       // or take it for one that makes it send less, or other frames
   Course course = Course::goes_on;
   double most_error_mm_s = 100.0;  // of an estimate, at any tick
 };
@@ -37,7 +37,7 @@ namespace detail {
 
 using std::chrono_literals::operator""ms;
 
-// Where the robot does not do as it was told, the estimate takes its time to find out.
+// If the robot does not do as it was told, the estimate takes time to find out.
 inline constexpr double kAnyError = 1000.0;
 
 // Damage to one byte in fifty, for a while.
@@ -59,7 +59,7 @@ constexpr FaultCase to_robot(std::string_view name, bool to_host_too) {
   fault.most_error_mm_s = kAnyError;
   return fault;
 }
-// Frames come late, all of them.
+// All frames come late.
 constexpr FaultCase late(std::string_view begin, std::string_view end, rt::Duration most) {
   return {.name = begin,
           .begin = begin,
@@ -69,7 +69,7 @@ constexpr FaultCase late(std::string_view begin, std::string_view end, rt::Durat
           .longest = 1000ms,
           .lingers = most};
 }
-// The robot does it, and is through with it by itself.
+// The robot does it by itself, and ends it by itself.
 constexpr FaultCase by_the_robot(std::string_view name, bool damages_frames) {
   return {.name = name, .begin = name, .damages_frames = damages_frames};
 }

@@ -1,7 +1,7 @@
-// fault_matrix [--seeds N] [--fault NAME] [--seed N]: every named fault of the virtual Create while
-// each profile is driven, over N seeds (20 unless told), in virtual time. Prints the table of
-// docs/reliability.md. What does not hold goes to standard error, and the exit status is 1. --fault
-// and --seed repeat one row, or one drive of it.
+// fault_matrix [--seeds N] [--fault NAME] [--seed N]: every named fault of the virtual Create
+// during every profile, over N seeds (20 by default), in virtual time. Prints the table of
+// docs/reliability.md. Anything that does not hold goes to standard error, and the exit status is
+// 1. --fault and --seed repeat one row, or one drive of it.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -28,19 +28,19 @@ constexpr std::array<std::string_view, 4> kProfiles{"straight", "steps", "square
 
 struct Row {
   std::uint64_t drives = 0;
-  std::uint64_t ended = 0;    // by the fault; each was brought up and driven again
-  std::uint64_t toggled = 0;  // of these: by nothing less than the power toggle
-  std::uint64_t deaf = 0;     // drives at whose end the robot did not obey
+  std::uint64_t ended = 0;    // by the fault; each robot was brought up and driven again
+  std::uint64_t toggled = 0;  // of these: only the power toggle helped
+  std::uint64_t deaf = 0;     // drives after which the robot did not obey
   std::uint64_t due = 0;
   std::uint64_t unsent = 0;
   hal::FrameCounters frames{};
-  int back_after = 0;   // the most of all
-  int waited = 0;       // the same
-  int obeys_after = 0;  // the same
+  int back_after = 0;   // the maximum
+  int waited = 0;       // the maximum
+  int obeys_after = 0;  // the maximum
   std::array<double, kProfiles.size()> worst_error_mm_s{};
   std::uint64_t impostors = 0;
-  std::uint64_t misled = 0;  // drives in which one of those made something not hold
-  std::uint64_t failed = 0;  // drives in which something else did
+  std::uint64_t misled = 0;  // drives in which such a frame made something not hold
+  std::uint64_t failed = 0;  // drives in which something else failed
 };
 
 std::optional<Options> parse(int count, char** words) {
@@ -66,7 +66,7 @@ DriveCase drive_case(std::size_t row, std::size_t profile, const cli::Profile& d
   return {.fault = kFaultCases[row],
           .profile = &driven,
           .remainder = seed % 2 == 0 ? hal::sim::Remainder::carried : hal::sim::Remainder::lost,
-          .seed = seed * 1000 + row * kProfiles.size() + profile};  // another for each drive
+          .seed = seed * 1000 + row * kProfiles.size() + profile};  // different for each drive
 }
 
 void report(const FaultCase& fault, std::string_view profile, std::uint64_t seed,
@@ -122,7 +122,7 @@ void print_head() {
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
-// A count, and in parentheses how many of them are special; nothing where there are none.
+// A count, and in parentheses how many of them are special; nothing if none are.
 std::string counted(std::uint64_t count, std::uint64_t special) {
   if (count == 0) return {};
   return std::to_string(count) + (special > 0 ? " (" + std::to_string(special) + ")" : "");

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the fault matrix and puts its table into docs/reliability.md.
 # usage: tests/campaign/fault_matrix.sh [SEEDS]
-# Builds the dev preset's fault_matrix. 1000 seeds unless told: 120 000 drives, some minutes.
+# Builds the dev preset's fault_matrix. 1000 seeds by default: 120 000 drives, some minutes.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -12,7 +12,7 @@ cmake --build --preset dev -j "$(nproc)" --target fault_matrix > /dev/null
 table=$(mktemp)
 trap 'rm -f "$table"' EXIT
 begin=$SECONDS
-status=0  # 1 where a drive failed: that is in the table
+status=0  # 1 if a drive failed: that is in the table
 build/dev/tests/fault_matrix --seeds "$seeds" > "$table" || status=$?
 echo "$seeds seeds in $((SECONDS - begin)) s"
 sed -i -e '/^<!-- fault matrix -->$/,/^<!-- end of fault matrix -->$/{/^<!-- /!d}' \

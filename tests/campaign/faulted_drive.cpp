@@ -24,7 +24,7 @@ rt::Duration drawn(hal::sim::Random& random, rt::Duration least, rt::Duration mo
   return least + rt::Duration{static_cast<std::int64_t>(random.uniform() * span_ns)};
 }
 
-// All that is on its way from the robot to the host; at a tick, its newest frame last.
+// Everything in flight from the robot to the host; at a tick, its newest frame last.
 std::vector<std::uint8_t> on_the_line(const hal::sim::Device& device) {
   std::vector<std::uint8_t> bytes;
   hal::sim::UartLine line = device.output();
@@ -68,7 +68,7 @@ class FaultedDrive {
     return static_cast<bool>(hal::bring_up(stream_, {.packets = hal::kReadingList}));
   }
 
-  // A robot that was told to wait for something is deaf until it comes.
+  // A robot that was told to wait for something is deaf until that comes.
   bool bring_up_by_toggle() {
     seen_.toggled = true;
     hal::sim::Pins pins{[this](const auto& change) { change(device_); }};
@@ -76,7 +76,7 @@ class FaultedDrive {
         stream_, {.packets = hal::kReadingList, .pins = {.power_toggle = &pins.power_toggle}}));
   }
 
-  // When the fault begins and ends, and how long is driven behind it.
+  // When the fault begins and ends, and how long to drive after it.
   void plan() {
     hal::sim::Random random{case_.seed};
     const rt::TimePoint begin = stream_.now() + drawn(random, 500ms, 2500ms);
@@ -120,7 +120,7 @@ class FaultedDrive {
     leave();
   }
 
-  // A fault that damaged commands may last on.
+  // A fault that damaged commands may have lasting effects.
   void wait_for_the_end() {
     const rt::TimePoint end = stream_.changes.back().time;
     while (stream_.now() < end && stream_.wait(end) == hal::ByteStream::Wait::ready) {
@@ -128,7 +128,7 @@ class FaultedDrive {
     }
   }
 
-  // Makes it the cycle_ too. On the heap: it holds a minute of states.
+  // Also makes it the cycle_. On the heap: it holds a minute of states.
   std::unique_ptr<hal::ControlCycle> make_cycle(const hal::ControlFunction& control) {
     (void)stream_.set_wake_threshold(hal::kFrameBytes);  // in range
     hal::ControlCycle::Parameters parameters;
@@ -142,13 +142,13 @@ class FaultedDrive {
 
   void leave() {
     (void)stream_.set_wake_threshold(1);  // in range
-    (void)hal::farewell(stream_);         // the robot itself is asked, in see_tick() and run()
+    (void)hal::farewell(stream_);         // see_tick() and run() look at the robot itself
   }
 
   static rt::WheelSpeeds first_control(void* context, const hal::CycleState& state, double seconds)
       CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<FaultedDrive*>(context);
-    // It records, on the heap, in virtual time.
+    // It records on the heap, in virtual time.
     rt::unchecked([&self, &state] { self.see_answer(state); });
     return self.case_.profile->at(seconds);
   }
@@ -202,7 +202,7 @@ class FaultedDrive {
   rt::WheelSpeeds truth_{};
   std::uint64_t frames_sent_ = 0;
   std::uint64_t bytes_sent_ = 0;
-  bool robot_faulty_ = false;  // as it makes the frame of this tick
+  bool robot_faulty_ = false;  // while it makes the frame of this tick
   int second_frames_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // One drive of the fault matrix, in virtual time, through the shipping path: bring-up, control
-// cycle, leaving; and where the fault ended the cycle, all of it once more. Observes; what must
-// hold is in verdict.hpp.
+// cycle, leaving; and if the fault ended the cycle, all of it once more. It only observes;
+// verdict.hpp says what must hold.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,14 @@ namespace cargobay::campaign {
 struct TickSeen {
   std::uint64_t tick = 0;
   bool frame = false;  // it sent one
-  bool clean = false;  // and no fault was left that could touch it
+  bool clean = false;  // and no remaining fault could touch it
   bool waits = false;  // it was in the middle of a command
   oi::Mode mode = oi::Mode::off;
   std::int32_t battery_mv = 0;
   rt::WheelSpeeds truth{};
 };
 
-// The cycle, as it answers.
+// The cycle at the moment it answers.
 struct AnswerSeen {
   std::uint64_t tick = 0;  // of the robot
   hal::CycleState state{};
@@ -36,19 +36,19 @@ struct Observations {
   hal::CycleEnd end = hal::CycleEnd::asked;
   rt::TimePoint ended{};
   std::uint64_t last_tick = 0;  // of the robot, when the cycle ended
-  rt::WheelSpeeds commanded{};  // of the robot, then
-  bool backlog = false;         // the robot had more to send then
+  rt::WheelSpeeds commanded{};  // of the robot, at that time
+  bool backlog = false;         // the robot had more to send at that time
   hal::FrameCounters frames{};
   std::vector<TickSeen> ticks{};
   std::vector<AnswerSeen> answers{};
   std::vector<hal::CycleState> states{};  // as published
   std::vector<std::uint64_t> obeyed{};    // the tick of each drive command that the robot obeyed
-  std::vector<std::uint64_t> written{};   // the tick in which the robot has each that was sent
+  std::vector<std::uint64_t> written{};   // the tick in which each one sent reached the robot
   std::vector<std::uint8_t> sent{};       // by the robot
   std::vector<std::uint8_t> received{};   // by the host
 
-  bool restarted = false;  // what follows was done
-  bool toggled = false;    // nothing less than power off and on helped
+  bool restarted = false;  // the members below are valid
+  bool toggled = false;    // only power off and on helped
   bool brought_up_again = false;
   hal::FrameCounters second_frames{};
   hal::CycleEnd second_end = hal::CycleEnd::asked;

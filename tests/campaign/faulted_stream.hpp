@@ -1,5 +1,5 @@
 // The link to a virtual Create on which a fault begins and ends at given instants, to the
-// nanosecond, also between the bits of a frame; and a record of what went by.
+// nanosecond, even between the bits of a frame; and a record of the traffic.
 #pragma once
 
 #include <algorithm>
@@ -26,13 +26,13 @@ class FaultedStream final : public hal::ByteStream {
 
   explicit FaultedStream(hal::sim::VirtualLink& link) : link_{&link} {}
 
-  // In the order of their times, which are not past.
+  // In the order of their times, none of them in the past.
   std::vector<Change> changes{};
-  // What the host was handed, and when the robot has each of the drive commands that it was sent.
+  // What the host received, and when each drive command that was sent reached the robot.
   std::vector<std::uint8_t> received{};
   std::vector<rt::TimePoint> drives{};
 
-  // In virtual time nobody waits for what these allocate.
+  // In virtual time nothing waits for these allocations.
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, deadline] { return wait_through_changes(deadline); });
   }
@@ -46,7 +46,7 @@ class FaultedStream final : public hal::ByteStream {
   }
   Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     rt::unchecked([&] {
-      // Zeros for half a command may stand in front of it.
+      // Zeros that complete half a command may precede it.
       const auto command = std::ranges::find_if(bytes, [](std::uint8_t byte) { return byte != 0; });
       if (command == bytes.end() || *command != oi::DriveDirect::kOpcode) return;
       const auto fill = static_cast<std::size_t>(command - bytes.begin());

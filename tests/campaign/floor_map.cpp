@@ -103,7 +103,7 @@ void FloorMap::spread(Point start) {
     cells_[index].reached = true;
     edge.push_back(index);
   };
-  // It may start too near to something to be roomy.
+  // The start may be too close to something to be roomy.
   visit_around(start, 2.0 * kCellMm, reach);
   while (!edge.empty()) {
     const std::size_t index = edge.back();
@@ -115,7 +115,7 @@ void FloorMap::spread(Point start) {
   }
 }
 
-// What is free beside what is reached is reached too; what is below all this is floor.
+// Free cells beside reached ones are reached too; everything the robot covers there is floor.
 void FloorMap::widen() {
   std::vector<std::size_t> beside;
   for (std::size_t i = 0; i < cells_.size(); ++i) {

@@ -9,19 +9,19 @@
 
 namespace cargobay::campaign {
 
-// A passage counts if it leaves this much on either side of the robot.
+// A passage counts if it leaves this much room on either side of the robot.
 inline constexpr double kPassageSlackMm = 50.0;
 
 class FloorMap {
  public:
-  // Where a robot that keeps off stairs and out of virtual walls can get from its start.
+  // Where a robot that avoids stairs and virtual walls can get to from its start.
   explicit FloorMap(const RandomRoom& room);
 
   // Whether its centre can get there.
   bool reaches(hal::sim::Point at) const;
-  // The robot is there: its whole body, 330 mm across, covers the floor.
+  // The robot is here: its whole body, 330 mm across, covers the floor.
   void pass(const hal::sim::Pose& pose);
-  // Of the floor that can be covered, 0 to 1.
+  // The covered part of the floor that can be covered, 0 to 1.
   double covered_share() const;
 
  private:
@@ -29,7 +29,7 @@ class FloorMap {
     bool free = false;     // the centre of a robot can be here
     bool roomy = false;    // with the slack all around
     bool reached = false;  // from the start
-    bool floor = false;    // below a robot somewhere it can get to
+    bool floor = false;    // under a robot at some place it can get to
     bool covered = false;
   };
 
@@ -38,7 +38,7 @@ class FloorMap {
   void widen();
   hal::sim::Point centre(std::size_t index) const;
   std::size_t index_of(hal::sim::Point at) const;  // cells_.size() outside
-  // Calls visit(index) for each cell whose centre is that near.
+  // Calls visit(index) for each cell whose centre is that close.
   template <typename Visit>
   void visit_around(hal::sim::Point at, double radius_mm, Visit&& visit) const;
 

@@ -9,7 +9,7 @@
 
 namespace cargobay::campaign {
 
-// Nothing unless all of it is one.
+// Nothing unless the whole text is a number.
 inline std::optional<std::uint64_t> number(std::string_view text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

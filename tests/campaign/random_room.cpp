@@ -25,7 +25,7 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kBaseDepthMm = 20.0;    // from the wall to where its lamps are
 constexpr double kLampDepthMm = 45.0;    // the same for a virtual wall
-constexpr double kFromCornerMm = 250.0;  // nothing is put nearer to the corner of a room
+constexpr double kFromCornerMm = 250.0;  // nothing is put closer to the corner of a room
 constexpr double kFromLampMm = 400.0;    // its centre, where Home and Tag start
 constexpr int kTries = 400;
 constexpr double kTagLeastMm = 900.0;  // between the two walls of Tag
@@ -90,7 +90,7 @@ Point anywhere_in(const RandomRoom& room, Random& random) {
   return at;
 }
 
-// Somewhere along the walls, so far into the room; it looks straight into it.
+// A random place along the walls, this far into the room, facing straight into it.
 Beam anywhere_at_a_wall(const RandomRoom& room, Random& random, double depth_mm) {
   Segment edge{};
   for (int i = 0; i < kTries; ++i) {
@@ -148,7 +148,7 @@ bool has_floor(const World& world, const Pose& pose) {
   });
 }
 
-// In a beam, and not already at the lamp.
+// In a beam, but not already at the lamp.
 bool sees_virtual_wall(const World& world, const Pose& pose) {
   for (const Beam& lamp : world.virtual_walls) {
     if (std::hypot(pose.x_mm - lamp.origin.x_mm, pose.y_mm - lamp.origin.y_mm) < kFromLampMm)
@@ -204,7 +204,7 @@ void add_for_tag(RandomRoom& room, Random& random) {
     if (room.contains(other)) break;
   }
   furnish(room, random, random.below(4));
-  // A little off, but each in the other's beam.
+  // Slightly off, but each in the other's beam.
   room.world.virtual_walls.push_back({one.origin, heading_deg + between(random, -5.0, 5.0)});
   room.world.virtual_walls.push_back({other, heading_deg + 180.0 + between(random, -5.0, 5.0)});
 }
@@ -225,7 +225,7 @@ bool RandomRoom::contains(Point at) const {
 
 RandomRoom random_room(std::uint64_t seed, Furnished furnished) {
   Random random{seed * 3 + static_cast<std::uint64_t>(furnished)};
-  while (true) {  // most rooms do at the first try; a start is found in some room
+  while (true) {  // most rooms work at the first try; a start exists in some room
     RandomRoom room;
     room.outline = outline(random);
     for (std::size_t i = 0; i < room.outline.size(); ++i)

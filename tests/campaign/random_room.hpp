@@ -1,5 +1,5 @@
-// Rooms that nobody arranged: outlines, furniture, stairs, a Home Base and virtual walls by chance,
-// the same for a seed on every machine.
+// Random rooms: outlines, furniture, stairs, a Home Base and virtual walls, the same for a seed on
+// every machine.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ enum class Furnished : std::uint8_t {
   for_tag,    // two virtual walls that face each other
 };
 
-// The robot starts anywhere where it touches nothing and has floor below it; in the rooms for Home
-// and Tag, where it would see a virtual wall if it looked there.
+// The robot starts at any place where it touches nothing and has floor below it; in the rooms for
+// Home and Tag, where it could see a virtual wall if it turned that way.
 RandomRoom random_room(std::uint64_t seed, Furnished furnished);
 
 }  // namespace cargobay::campaign

@@ -1,8 +1,8 @@
-// soak [--frames N] [--seconds N]: so many frames in virtual time, on a line that damages some of
-// them, then so many seconds of real time over a pseudo-terminal (10^6 and 60 unless told).
-// Resident memory and open descriptors must stay as they are once warm, and each frame that the
-// robot sent must be counted once. Prints a line of docs/reliability.md for each; the exit status
-// is 1 where something does not hold.
+// soak [--frames N] [--seconds N]: N frames in virtual time, on a line that damages some of them,
+// then N seconds of real time over a pseudo-terminal (10^6 and 60 by default). Once warm, resident
+// memory and open descriptors must not grow, and each frame that the robot sent must be counted
+// once. Prints a line of docs/reliability.md for each; the exit status is 1 if something does not
+// hold.
 #include <poll.h>
 #include <unistd.h>
 
@@ -32,10 +32,10 @@
 namespace cargobay::campaign {
 namespace {
 
-// Of resident memory, once warm. The kernel tells it to 32 pages a processor.
+// Of resident memory, once warm. The kernel reports it to within 32 pages per processor.
 constexpr long kMostGrowthKib = 512;
 
-// What the process holds, at its most and at its least since the first look.
+// The most and the least that the process has held since the first look.
 class Holdings {
  public:
   void look() {
@@ -64,12 +64,12 @@ class Holdings {
   long most_open_ = 0;
 };
 
-// Frames sent by the robot and not counted by the cycle: at each answer, as many as were under way
-// before the first, and those that are late. So the least over a while is the same in the beginning
-// and at the end if, and only if, each frame between was counted once.
+// Frames that the robot sent and the cycle has not counted: at each answer, those that were in
+// flight before the first, plus late ones. So the least over a while is the same at the beginning
+// and at the end if, and only if, each frame in between was counted once.
 class Ledger {
  public:
-  // Called by the control thread at each answer.
+  // The control thread calls it at each answer.
   void book(std::uint64_t sent, const hal::FrameCounters& counted) CARGOBAY_NONBLOCKING {
     const auto open = static_cast<std::int64_t>(sent) -
                       static_cast<std::int64_t>(counted.good + counted.bad + counted.lost);
@@ -88,8 +88,8 @@ class Ledger {
   static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
   std::uint64_t answers_ = 0;
   std::int64_t first_ = kNone;
-  std::int64_t current_ = kNone;  // over this while
-  std::int64_t last_ = kNone;     // over the one before
+  std::int64_t current_ = kNone;  // in this interval
+  std::int64_t last_ = kNone;     // in the previous one
 };
 
 // Never at rest for long: stands, turns, drives both ways.
@@ -131,7 +131,7 @@ class VirtualSoak {
 
   static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
-    // In virtual time nobody waits for what this allocates.
+    // In virtual time nothing waits for these allocations.
     rt::unchecked([context] { static_cast<VirtualSoak*>(context)->answer(); });
     return speeds(seconds);
   }
@@ -182,7 +182,7 @@ class RealSoak {
   }
 
  private:
-  static constexpr int kServerPriority = 85;  // above the control thread's: the robot is no program
+  static constexpr int kServerPriority = 85;  // above the control thread's: a robot has its own CPU
   static constexpr std::uint64_t kWarm = 5;   // seconds
 
   static bool failed(const std::string& why) {

@@ -1,9 +1,9 @@
 // spacing [--bytes N]: a client at 115200 baud on a pseudo-terminal. First it sends commands in one
-// write each, as most published clients do, of which a robot loses what follows too closely (OI
-// p. 7); then, while every processor is busy, N bytes one by one, 200 us after the last was
-// written, of which the virtual Create must lose none; then commands in one write again, of which
-// it may hear all: what is in doubt is heard. Prints a line of docs/virtual-create.md for each; the
-// exit status is 1 where a spaced byte is lost, or on the idle machine none of the others.
+// write each, as most published clients do; a robot loses bytes that follow too closely (OI p. 7).
+// Then, while every processor is busy, it sends N bytes one by one, each 200 us after the last was
+// written, none of which the virtual Create may lose; then commands in one write again, all of
+// which it may hear: in doubt, a byte is heard. Prints a line of docs/virtual-create.md for each;
+// the exit status is 1 if a spaced byte is lost or, on the idle machine, none of the others.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -39,7 +39,7 @@ void sleep_for(rt::Duration duration) {
   nanosleep(&pause, nullptr);
 }
 
-// Two threads a processor that never rest.
+// Two busy threads per processor.
 class Load {
  public:
   Load() {
@@ -83,7 +83,7 @@ class Client {
   bool write(std::span<const std::uint8_t> bytes) {
     return ::write(port_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
   }
-  // The next byte may begin after that, whenever this one did.
+  // The next byte may begin after that, whenever this one began.
   bool write_spaced(std::uint8_t byte) {
     const bool written = write(std::span{&byte, 1});
     const rt::TimePoint next = rt::Clock::now() + oi::kByteSpacingAt115200;
@@ -101,7 +101,7 @@ class Client {
     }
     return true;
   }
-  // When all that was written has come.
+  // Once everything written has arrived.
   hal::sim::DeviceCounters counters(std::uint64_t received) const {
     constexpr int kMostLooks = 1000;
     hal::sim::DeviceCounters counters{};

@@ -16,15 +16,15 @@ namespace {
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-// Frames come later than their tick, held up by an adapter, by not more ticks than this.
+// An adapter holds frames up for no more ticks than this.
 constexpr std::uint64_t kLatest = 4;
-// A robot that was told to stream more than fits sends what it saw so long ago.
+// A robot that was told to stream more than fits sends sensor values up to this old.
 constexpr std::uint64_t kLatestBehindLongFrames = 20;
-// Behind the last frame before it ended: the link's second, the next deadline, and its margin.
+// After the last frame, until the cycle ends: the link's second, the next deadline, and its margin.
 constexpr rt::Duration kLongestSilence = 1s + 15ms + 5ms + 2ms;
-constexpr double kDriven = 40.0;  // mm/s: so near is the truth to what was asked, once settled
+constexpr double kDriven = 40.0;  // mm/s: how close the truth is to the setpoint, once settled
 constexpr int kMostBackAfter = 2;
-// Until it shows that the robot does not hear, a list has to change; then come 510 zeros.
+// The list must change before it shows that the robot does not hear; then come 510 zeros.
 constexpr int kMostWaited = 64;
 
 std::uint64_t sum(const hal::FrameCounters& frames) {
@@ -57,7 +57,7 @@ class Judge {
   }
 
  private:
-  // Each kind once.
+  // Each kind only once.
   void violation(const std::string& what) {
     if (std::ranges::find(verdict_.violations, what) == verdict_.violations.end())
       verdict_.violations.push_back(what);
@@ -69,7 +69,7 @@ class Judge {
     return &seen_.ticks[number - first];
   }
 
-  // The right end, and no later than it must be.
+  // The right end, and no later than necessary.
   void judge_course() {
     using hal::CycleEnd;
     const CycleEnd end = seen_.end;
@@ -78,7 +78,7 @@ class Judge {
       violation("did not lose the link");
     if (end == CycleEnd::link_lost) {
       const rt::Duration silence = seen_.ended - seen_.answers.back().state.arrival;
-      // A damaged command may silence the robot for a while first: frames behind that are not
+      // A damaged command may silence the robot for a while first: frames after that are not
       // answered at once.
       if (silence < 1s || (silence > kLongestSilence && !fault_.damages_commands))
         violation("lost the link at a wrong time");
@@ -87,8 +87,8 @@ class Judge {
     if (end == CycleEnd::hung_up) violation("took the port for gone");
   }
 
-  // In all the ticks in which the loss may have been seen and its cause looked for: a damaged
-  // command may have brought the mode back behind it.
+  // In all the ticks in which the loss may have been seen and its cause sought: a damaged command
+  // may have brought the mode back after it.
   bool mode_held() const {
     constexpr std::uint64_t kLook = kLatestBehindLongFrames + hal::ModeWatch::kSearchFrames;
     for (std::uint64_t back = 0; back <= kLook; ++back) {
@@ -98,18 +98,18 @@ class Judge {
     return true;
   }
 
-  // A tick without a frame is a lost frame: the host cannot tell, and the robot said nothing.
+  // A tick without a frame is a lost frame: the host cannot tell that the robot sent nothing.
   void judge_counters() {
     const std::uint64_t first = seen_.answers.front().tick;
     verdict_.due = seen_.last_tick - first + 1;
     for (std::uint64_t number = first; number <= seen_.last_tick; ++number) {
       if (!tick(number)->frame) ++verdict_.unsent;
     }
-    // Where the mode is lost, frames that may be late are not waited for; nor are those at the end
-    // of a drive that are still in the robot's buffer, behind answers to damaged commands.
+    // If the mode is lost, frames that may be late are not waited for; nor, at the end of a drive,
+    // are those still in the robot's buffer, after answers to damaged commands.
     const bool waits = seen_.end != hal::CycleEnd::mode_lost && !seen_.backlog;
-    // Of those, some were given up, to be taken back when they come: by an arrival that late it may
-    // have been one tick too many.
+    // Some of those were given up, to be taken back if they come: judged by so late an arrival,
+    // they may have been one tick too many.
     const std::uint64_t most = verdict_.due + (seen_.backlog ? 1 : 0);
     const std::uint64_t counted = sum(seen_.frames);
     if (counted > most || (waits && counted < verdict_.due)) {
@@ -144,7 +144,7 @@ class Judge {
         seen_.ticks, [battery_mv](const TickSeen& tick) { return tick.battery_mv == battery_mv; });
   }
 
-  // The last answer is followed by the stop that ends the cycle, in the same tick.
+  // The last answer is followed, in the same tick, by the stop that ends the cycle.
   void judge_commands(const std::vector<std::uint64_t>& ticks, const std::string& how) {
     for (std::size_t i = 1; i < ticks.size(); ++i) {
       if (ticks[i] != ticks[i - 1] || ticks[i] >= seen_.answers.back().tick) continue;
@@ -152,7 +152,7 @@ class Judge {
     }
   }
 
-  // The robot has the command before the last by the end.
+  // By the end the robot has the command before the last.
   void judge_obedience() {
     const bool obeys = seen_.states.size() >= 2 &&
                        seen_.commanded == seen_.states[seen_.states.size() - 2].command;
@@ -161,7 +161,7 @@ class Judge {
     if (!verdict_.deaf) violation("did not obey at the end");
   }
 
-  // Elsewhere it is a command of the loop's own that the robot is in the middle of.
+  // In other cases the robot is in the middle of one of the loop's own commands.
   bool waits(const TickSeen& tick) const { return tick.waits && fault_.course == Course::either; }
 
   void judge_waiting() {
@@ -171,7 +171,7 @@ class Judge {
       violation("waited for " + std::to_string(verdict_.waited) + " ticks");
   }
 
-  // The answers to the last frames may still be on their way.
+  // The answers to the last frames may still be in flight.
   void count_disobedience() {
     int behind = 0;
     verdict_.obeys_after = 1;
@@ -185,7 +185,7 @@ class Judge {
       violation("obeyed after " + std::to_string(verdict_.obeys_after) + " ticks");
   }
 
-  // Back: from that frame on each is answered in its tick, and counted one by one.
+  // Recovered: from that frame on each one is answered in its tick, and counted one by one.
   void judge_recovery() {
     int clean = 0;
     verdict_.back_after = 1;

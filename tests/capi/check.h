@@ -1,4 +1,4 @@
-/* What a C test says and how it ends. */
+/* What a C test prints and how it ends. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -35,7 +35,7 @@
 
 #define SECONDS(count) ((int64_t)((count) * 1e9))
 
-/* A virtual Create in virtual time, and the robot that it is, not started. */
+/* A virtual Create in virtual time, and the robot that uses it, not started. */
 static inline struct cargobay_sim* virtual_sim(void) {
   struct cargobay_sim_options options;
   struct cargobay_sim* sim = NULL;
@@ -56,7 +56,7 @@ static inline struct cargobay_robot* robot_of(struct cargobay_sim* sim, uint32_t
   return robot;
 }
 
-/* Lets so much of the robot's time pass. */
+/* Lets this much of the robot's time pass. */
 static inline int run_for(struct cargobay_robot* robot, double seconds) {
   struct cargobay_state state;
   int64_t until = -1;

@@ -1,6 +1,6 @@
-/* A program that was started without standard input and output: nothing of the library's gets
-   their numbers, where what the program prints would go to the robot. Says what is wrong by its
-   exit code, since it has nowhere to print to. */
+/* A program that was started without standard input and output: nothing in the library may get
+   their numbers, or what the program prints would go to the robot. Reports by its exit code what is
+   wrong, since it has nowhere to print to. */
 #include <cargobay.h>
 #include <fcntl.h>
 #include <unistd.h>

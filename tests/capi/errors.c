@@ -1,4 +1,4 @@
-/* Every error that the header documents, and every misuse: each has its answer. */
+/* Every error that the header documents, and every misuse: each gets its code. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <pthread.h>
@@ -208,7 +208,7 @@ static void refuses_what_is_not_there(void) {
   CHECK_FAILS(cargobay_sim_open(&create, &sim), CARGOBAY_E_SYSTEM, "/no/such/folder");
   CHECK(sim == NULL);
 
-  /* A robot that is not there, behind a port that is. */
+  /* A robot that is not there, at a port that is. */
   create.link = NULL;
   create.time = CARGOBAY_SIM_VIRTUAL;
   CHECK(cargobay_sim_open(&create, &sim) == CARGOBAY_OK);
@@ -261,7 +261,7 @@ static void answers_misuse_in_the_control_function(void) {
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
-/* A control function that asks for the impossible is answered by a stop. */
+/* A control function that asks for the impossible makes the wheels stop. */
 static void asks_for_too_much(void* context, const struct cargobay_state* state,
                               struct cargobay_wheels* wheels) {
   (void)context;
@@ -296,7 +296,7 @@ static void is_not_inherited(void) {
   if (child == 0) {
     every_robot_function_refuses(robot, "this robot is closed");
     every_sim_function_refuses(sim, "this virtual Create is closed");
-    /* But it may have one of its own. */
+    /* But it may have its own. */
     struct cargobay_sim* own = virtual_sim();
     struct cargobay_robot* mine = robot_of(own, 0);
     CHECK(cargobay_start(mine) == CARGOBAY_OK && run_for(mine, 0.1) == CARGOBAY_OK);

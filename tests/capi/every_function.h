@@ -1,4 +1,4 @@
-/* All functions, given a handle that is no open one of their kind; `words` are in the message. */
+/* All functions, with a handle that is not open or of another kind; `words` are in the message. */
 #ifndef EVERY_FUNCTION_H
 #define EVERY_FUNCTION_H
 

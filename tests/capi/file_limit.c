@@ -1,4 +1,4 @@
-/* A limit of the file's size, and a pipe whose reader has gone: errors of the recording, no signals
+/* A limit on the file size, and a pipe whose reader has gone: errors of the recording, not signals
  * to the program. */
 #define _POSIX_C_SOURCE 200809L
 #include <fcntl.h>
@@ -10,7 +10,7 @@
 
 #include "check.h"
 
-/* Drives for some seconds of virtual time, then ends with what came of the recording. */
+/* Drives for some seconds of virtual time, then returns what came of the recording. */
 static int record_to(const char* file, struct cargobay_sim* sim, struct cargobay_robot** robot) {
   SIZED(cargobay_options, options);
   SIZED(cargobay_state, state);

@@ -1,5 +1,5 @@
 /* Every function with the extremes of every argument: refused, or done as the header says; never a
- * crash, an overflow or a wait without end. A sanitizer sees what a return value does not. */
+ * crash, an overflow or an endless wait. A sanitizer sees what a return value does not show. */
 #define _GNU_SOURCE
 #include <limits.h>
 #include <math.h>
@@ -22,7 +22,7 @@ static const uint32_t kWords[] = {0, 1, 2, 3, 7, 8, 10, 255, 256, 0x7fffffff, ~U
 static const uint8_t kBytes[] = {0, 1, 15, 16, 127, 128, 129, 255};
 static const int64_t kDay = INT64_C(86400000000000);
 
-/* A number of enum cargobay_error, or 0 or what is counted. */
+/* A code of enum cargobay_error, 0, or a count. */
 static void is_an_answer(int result) {
   CHECK(result >= CARGOBAY_E_TIMEOUT);
   CHECK(result >= 0 || strlen(cargobay_error_message()) > 10);
@@ -46,7 +46,7 @@ static void refuses_other_kinds(void) {
   options.sim = (void*)robot;
   CHECK_FAILS(cargobay_open(&options, &second), CARGOBAY_E_HANDLE, "not of a virtual Create");
 
-  /* Numbers that were never handles, and memory that is no handle. */
+  /* Numbers that were never handles, and memory that is not a handle. */
   every_robot_function_refuses((void*)(here + ((uintptr_t)here & 1u)), "no handle");
   every_robot_function_refuses((void*)(uintptr_t)1, "no handle");
   every_sim_function_refuses((void*)UINTPTR_MAX, "virtual Create");
@@ -56,7 +56,7 @@ static void refuses_other_kinds(void) {
     const uintptr_t forged = (uintptr_t)robot ^ ((uintptr_t)1 << bit);
     CHECK(cargobay_request_stop((void*)forged) == CARGOBAY_E_HANDLE);
   }
-  /* All of that left the real ones alone. */
+  /* None of that has affected the real ones. */
   CHECK(cargobay_start(robot) == CARGOBAY_OK && run_for(robot, 0.1) == CARGOBAY_OK);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
@@ -224,7 +224,7 @@ static void small_numbers(struct cargobay_robot* robot) {
   }
 }
 
-/* Texts of any length, and of bytes that are no text. */
+/* Texts of any length, and bytes that are not text. */
 static void texts(struct cargobay_robot* robot) {
   static char text[100001];
   for (int fill = 1; fill < 256; fill += 13) {

@@ -79,7 +79,7 @@ static void serves_many_threads(void) {
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
 }
 
-/* Closing ends what others wait for; none of them touches what is freed. */
+/* Closing ends the waits of other threads; none of them touches what is freed. */
 static void closes_under_waiting_threads(void) {
   struct cargobay_robot* robot = own_robot(0);
   struct reader reader = {robot, 0, 0};
@@ -93,7 +93,7 @@ static void closes_under_waiting_threads(void) {
   CHECK(reader.end == CARGOBAY_E_STATE || reader.end == CARGOBAY_E_HANDLE);
 }
 
-/* The virtual Create of the program, opened by its path as any port is. */
+/* The program's virtual Create, opened by its path like any port. */
 static void drives_a_port(void) {
   char path[64];
   struct cargobay_sim* sim = NULL;
@@ -117,7 +117,7 @@ static void drives_a_port(void) {
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK && truth.mode == CARGOBAY_MODE_PASSIVE);
 
-  /* As the robot itself; then its adapter is pulled out. */
+  /* Used as the robot itself; then its adapter is pulled out. */
   options.port = NULL;
   options.sim = sim;
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
@@ -137,7 +137,7 @@ static void does_not_return(void* context, const struct cargobay_state* state,
   wheels->left_mm_s = wheels->right_mm_s = 200.0;
 }
 
-/* The guard takes the robot from a control function that does not return. */
+/* The guard stops the robot if a control function does not return. */
 static void is_guarded(void) {
   struct cargobay_sim* sim = NULL;
   struct cargobay_robot* robot = NULL;
@@ -186,7 +186,7 @@ static void is_kept_to_its_budget(void) {
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
 }
 
-/* Without the rights that it requires nothing moves. Last: the process never gets them back. */
+/* Without the rights that it requires, nothing moves. Last: the process never gets them back. */
 static void requires_rights(void) {
   struct __user_cap_header_struct header = {_LINUX_CAPABILITY_VERSION_3, 0};
   struct __user_cap_data_struct rights[2];

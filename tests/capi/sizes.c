@@ -1,17 +1,17 @@
-/* The rule of structs that grow: one of an older program is short, one of a newer is long. */
+/* The rule of structs that grow: that of an older program is short, that of a newer one long. */
 #include <stddef.h>
 #include <string.h>
 
 #include "check.h"
 
-/* As an older header might have had it: it ends early, and something else follows. */
+/* As in an older header: it ends early, and something else follows. */
 struct short_state {
   uint32_t size;
   int32_t mode;
   int64_t tick;
   uint64_t not_the_librarys;
 };
-/* As a newer one might. */
+/* As in a newer header. */
 struct long_state {
   struct cargobay_state known;
   uint64_t of_the_future[3];
@@ -28,12 +28,12 @@ struct short_options {
   uint8_t not_the_librarys[500];
 };
 
-/* What stands there where nobody set it. */
+/* What is there if nothing set it. */
 static const uint32_t kNoSizes[] = {0, 1, 3, 0x7fffffff, 0x80000000, ~UINT32_C(0)};
-/* By so much a later version may have made a struct longer. */
+/* How much longer a later version may have made a struct. */
 enum { kMostGrowth = 4096 };
 
-/* The struct, with all the room that it may ask for, and something behind that. */
+/* The struct, with all the room that it may ask for, and something after that. */
 static union {
   uint32_t size;
   uint64_t aligned;
@@ -115,7 +115,7 @@ int main(void) {
   CHECK(cargobay_open(&new.known, &robot) == CARGOBAY_OK);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
 
-  /* What lies behind it is not looked at. */
+  /* What follows it is not looked at. */
   memset(&old, 0xa5, sizeof old);
   old.size = offsetof(struct short_options, not_the_librarys);
   old.flags = CARGOBAY_NO_CONFIG;

@@ -1,4 +1,4 @@
-/* A control function that does not return: every call ends all the same, and the robot stands. */
+/* A control function that does not return: every call still ends, and the robot stands still. */
 #define _GNU_SOURCE
 #include <pthread.h>
 #include <stdatomic.h>
@@ -75,7 +75,7 @@ static void stands_in_passive(const struct drive* drive) {
   CHECK(truth.commanded_left_mm_s == 0 && truth.commanded_right_mm_s == 0);
 }
 
-/* The thread comes back, late; what it touches is still there, and the robot does not move. */
+/* The thread comes back late; what it touches still exists, and the robot does not move. */
 static void let_go(const struct drive* drive) {
   atomic_store(&drive->hung->let_go, true);
   while (!atomic_load(&drive->hung->returned)) usleep(1000);
@@ -96,7 +96,7 @@ static int wait_for_the_end(struct cargobay_robot* robot) {
     CHECK(now_s() - began_s < kGenerousBoundS); \
   } while (0)
 
-/* Whoever waits is told, with or without a guard; then all calls end. */
+/* A waiting thread is told, with or without a guard; then all calls end. */
 static void ends_every_call(enum hang how, uint32_t flags) {
   struct drive drive = begin(how, flags, 0);
   ENDS_IN_TIME(wait_for_the_end(drive.robot), CARGOBAY_E_STALLED, "");
@@ -110,7 +110,7 @@ static void ends_every_call(enum hang how, uint32_t flags) {
   CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
 }
 
-/* The guard would come late: the owner's own stop does not wait for it. */
+/* A late guard: the owner's own stop does not wait for it. */
 static void does_not_wait_for_a_slow_guard(void) {
   struct drive drive = begin(kSleep, 0, 10000);
   wait_until_inside(&drive);
@@ -121,7 +121,7 @@ static void does_not_wait_for_a_slow_guard(void) {
   CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
 }
 
-/* One that comes back after all leaves nothing behind. */
+/* A thread that does come back leaves nothing behind. */
 static void frees_what_came_back(void) {
   struct drive drive = begin(kSleep, CARGOBAY_NO_GUARD, 0);
   wait_until_inside(&drive);
@@ -143,7 +143,7 @@ static void* waits(void* context) {
   return error;
 }
 
-/* Closing alone does the same, also for another thread that waits. */
+/* Closing alone does the same, even while another thread waits. */
 static void is_closed_under_a_waiting_thread(void) {
   struct drive drive = begin(kSleep, CARGOBAY_NO_GUARD, 10000);
   pthread_t thread;
@@ -167,7 +167,7 @@ static void* steps(void* context) {
   return NULL;
 }
 
-/* In virtual time it hangs the thread that waits; another may close all the same. */
+/* In virtual time it hangs the waiting thread; another may close all the same. */
 static void is_closed_in_virtual_time(void) {
   struct drive drive;
   pthread_t thread;

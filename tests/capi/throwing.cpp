@@ -1,4 +1,4 @@
-// An exception that leaves the control function stops the robot, and no more.
+// An exception that leaves the control function stops the robot, and nothing else happens.
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>

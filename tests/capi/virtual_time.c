@@ -12,7 +12,7 @@ static bool near(double value, double wanted, double tolerance) {
   return fabs(value - wanted) <= tolerance;
 }
 
-/* What `state` of the virtual Create says: whether these words are in it. */
+/* Whether the answer to the virtual Create's `state` contains these words. */
 static bool sim_says(struct cargobay_sim* sim, const char* words) {
   char answer[4096];
   CHECK(cargobay_sim_inject(sim, "state", answer, sizeof answer) > 0);
@@ -41,7 +41,7 @@ static void drives_by_setpoints(void) {
   CHECK(truth.commanded_left_mm_s == (int32_t)lround(state.command.left_mm_s));
   CHECK(near(state.x_mm, truth.x_mm, 5.0) && near(state.y_mm, truth.y_mm, 15.0));
   CHECK(near(state.distance_mm, state.x_mm, 5.0) && state.covariance[0] > 0.0);
-  /* Row by row, symmetric; ahead the heading goes astray with what lies across. */
+  /* Row by row, symmetric; driving ahead, the heading's error correlates with that of y. */
   CHECK(state.covariance[1] == state.covariance[3] && state.covariance[2] == state.covariance[6]);
   CHECK(state.covariance[5] == state.covariance[7] && state.covariance[5] > 0.0);
   CHECK(state.covariance[4] > 0.0 && state.covariance[8] > 0.0);
@@ -49,7 +49,7 @@ static void drives_by_setpoints(void) {
   CHECK(state.battery_mv > 10000 && state.hazards == 0 && state.bumps == 0);
   CHECK(state.remainder == CARGOBAY_REMAINDER_CARRIED && state.setpoint_lapsed == 0);
 
-  /* Nobody renews it. */
+  /* It is not renewed. */
   CHECK(run_for(robot, 1.0) == CARGOBAY_OK);
   CHECK(cargobay_get_state(robot, &state) == CARGOBAY_OK);
   CHECK(state.setpoint_lapsed == 1 && state.command.left_mm_s == 0.0);
@@ -75,7 +75,7 @@ static void drives_by_setpoints(void) {
   CHECK(state.target.left_mm_s == -100.0 && state.target.right_mm_s == 100.0);
 
   CHECK(cargobay_stop(robot) == CARGOBAY_OK);
-  CHECK(cargobay_stop(robot) == CARGOBAY_OK); /* again: the same */
+  CHECK(cargobay_stop(robot) == CARGOBAY_OK); /* a second time: the same */
   CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK);
   CHECK(truth.mode == CARGOBAY_MODE_PASSIVE && truth.commanded_left_mm_s == 0);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
@@ -160,7 +160,7 @@ static void sends_commands(void) {
                       durations) == 2);
   CHECK(durations[0] == 256 && durations[1] == 16 && durations[2] == 0);
 
-  /* A script that goes 200 mm ahead by itself; the loop goes on behind it. */
+  /* A script that drives 200 mm ahead by itself; the loop goes on after it. */
   CHECK(cargobay_script(robot, "drive 200 straight; wait_distance 200; drive 0 straight", 0) ==
         CARGOBAY_OK);
   CHECK(run_for(robot, 0.3) == CARGOBAY_OK);
@@ -177,7 +177,7 @@ static void sends_commands(void) {
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
-/* One that is too long beside the loop's own. */
+/* A command that is too long beside the loop's own. */
 static void keeps_to_the_budget(void) {
   char text[400] = "drive 1 straight";
   for (int i = 2; i <= 20; ++i)
@@ -196,7 +196,7 @@ static void keeps_to_the_budget(void) {
   CHECK(run_for(robot, 0.2) == CARGOBAY_OK);
   CHECK(cargobay_get_statistics(robot, &counted) == CARGOBAY_OK && counted.commands_withheld > 0);
   CHECK(counted.frames_bad == 0 && counted.frames_lost == 0 && counted.commands_unsent == 0);
-  /* More than wait for their turn at once. */
+  /* More than the queue holds. */
   int error = CARGOBAY_OK;
   for (int i = 0; i < 40 && error == CARGOBAY_OK; ++i) error = cargobay_send_ir(robot, 1);
   CHECK_FAILS(error, CARGOBAY_E_FULL, "32 requests");
@@ -244,7 +244,7 @@ static void reads_all_sensors(void) {
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
-/* The next event of a kind; false where there is none. */
+/* The next event of a kind; false if there is none. */
 static bool find_event(struct cargobay_robot* robot, int kind, struct cargobay_event* event) {
   for (event->size = sizeof *event; cargobay_next_event(robot, event) == 1;) {
     if (event->kind == kind) return true;
@@ -370,7 +370,7 @@ static void brings_up(void) {
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
-/* The same seed, the same drive; and how much faster than the robot. */
+/* The same seed, the same drive; returns how much faster than the robot it ran. */
 static double drive_of(uint64_t seed, double seconds) {
   struct cargobay_sim* sim = NULL;
   SIZED(cargobay_sim_options, create);
@@ -404,7 +404,7 @@ static void is_the_same_each_time_and_fast(void) {
   (void)drive_of(7, 600.0);
   const double times = 600.0 / (cpu_seconds() - before);
   printf("a controller in virtual time: %.0f times as fast as the robot\n", times);
-  /* A ratio, of the robot's time to CPU time. A sanitizer takes its own. */
+  /* The ratio of the robot's time to CPU time. A sanitizer needs extra time. */
   if (getenv("CARGOBAY_SANITIZED") == NULL) CHECK(times > 200.0);
 }
 

@@ -1,5 +1,5 @@
-// What any Create does, by the sections of its manual: asked over nothing but its serial line, so
-// that any other device can be asked the same.
+// What any Create does, by the sections of its manual, asked only over its serial line, so that any
+// other device can be asked the same.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -106,7 +106,7 @@ TEST_F(ModeCommands, EachIsTakenInEachMode) {
   }
 }
 
-// All but the actuators' commands; each leaves the mode as it is.
+// All except the actuators' commands; each leaves the mode as it is.
 TEST_F(ModeCommands, OthersAreObeyedInEachMode) {
   for (const auto& [opcode, number] : {std::pair{128, 1}, {131, 2}, {132, 3}}) {
     const auto its_own = static_cast<std::uint8_t>(number);
@@ -432,7 +432,7 @@ TEST_F(ActuatorCommands, TakeTheirBytesAndNoMore) {
   }
 }
 
-// What they do can be seen on the robot only; that they leave the rest alone, here as well.
+// What they do shows only on the robot; that they leave the rest alone shows here, too.
 TEST_F(ActuatorCommands, LedsOutputsDriversAndIrLeaveTheWheelsAndTheStreamAlone) {
   send({132, 145, 0, 0, 0, 30, 148, 1, 35});
   for (const Bytes& command :
@@ -459,7 +459,7 @@ TEST_F(SongCommands, OutlastTheirMode) {
 }
 
 TEST_F(SongCommands, PlayForAsLongAsTheirNotesSay) {
-  send({132, 140, 3, 2, 60, 32, 30, 32});  // half a second, and as long a rest
+  send({132, 140, 3, 2, 60, 32, 30, 32});  // half a second, and a rest of the same length
   send({141, 3});
   EXPECT_EQ(packet(36), 3);
   EXPECT_EQ(packet(37), 1);
@@ -571,7 +571,7 @@ TEST_F(InputCommands, TheLongestGroupIsAllPackets) {
   const Bytes one_by_one = ask(list, 52);
   ASSERT_EQ(group.size(), 52U);
   ASSERT_EQ(one_by_one.size(), 52U);
-  // But for what changes by itself: the battery's five, at 16 to 25 of the 52.
+  // Except what changes by itself: the battery's five, at 16 to 25 of the 52.
   const auto battery_from = [](const Bytes& bytes) { return bytes.begin() + 16; };
   EXPECT_TRUE(std::equal(group.begin(), battery_from(group), one_by_one.begin()));
   EXPECT_TRUE(std::equal(battery_from(group) + 10, group.end(), battery_from(one_by_one) + 10));
@@ -598,7 +598,7 @@ TEST_F(InputCommands, EachGroupIsItsPacketsInOrder) {
     Bytes singly = ask(list, size);
     ASSERT_EQ(whole.size(), size) << group;
     ASSERT_EQ(singly.size(), size) << group;
-    // But for what changes by itself: voltage, current, temperature and charge.
+    // Except what changes by itself: voltage, current, temperature and charge.
     for (Bytes* bytes : {&whole, &singly}) {
       if (first <= 22 && last >= 22) {
         std::fill_n(bytes->begin() + static_cast<std::ptrdiff_t>(battery), 7, std::uint8_t{0});
@@ -627,7 +627,7 @@ TEST_F(InputCommands, StreamTakes43Packets) {
 }
 
 TEST_F(InputCommands, ChangeNoSoonerThanATick) {
-  // What moves is read as fast as the line allows: most readings are of the same tick.
+  // Moving values are read as fast as the line allows: most readings are of the same tick.
   send({132, 145, 0, 100, 0, 100});
   wait(500ms);
   int readings = 0;
@@ -931,7 +931,7 @@ TEST_F(WaitCommands, WaitDistanceGoesBackwardToo) {
   EXPECT_GT(distance, -90);
 }
 
-// Backward too, and clockwise: a 0 that is only reached forward would never end.
+// Backward too, and clockwise: a 0 that is only reached going forward would never end.
 TEST_F(WaitCommands, NoDistanceAndNoAngleEndAtOnce) {
   send({132, 137, 0xff, 0x9c, 128, 0});
   wait(300ms);

@@ -1,7 +1,7 @@
 // test_conformance                        asks the virtual Create, in virtual time
 // test_conformance --pty                  asks it over a pseudo-terminal, in real time
-// test_conformance --port PATH [--baud N] asks whatever is there: stand clear of a real robot, its
-//                                         wheels turn, slowly and for moments
+// test_conformance --port PATH [--baud N] asks any device: stand clear of a real robot, its wheels
+//                                         turn, slowly and for moments
 // --rows                                  says which statements of the manual were judged, and how
 #include <charconv>
 #include <cstdio>

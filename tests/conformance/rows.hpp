@@ -13,15 +13,15 @@ struct Row {
   std::vector<std::string> tests{};
 };
 
-// The rows of that file, in its order; empty if it cannot be read.
+// The rows of that file, in order; empty if it cannot be read.
 std::vector<Row> read_rows(const std::string& path);
 
 enum class Verdict { holds, fails, not_judged };
 
-// By those of its tests that ran in this program: fails if one failed.
+// From those of its tests that ran in this program: fails if one failed.
 Verdict verdict(const Row& row);
 
-// How many rows about the robot this run judged; with `each`, a line for every one of them.
+// Prints how many rows about the robot this run judged; with `each`, one line for each of them.
 void print_rows(const std::vector<Row>& rows, bool each);
 
 }  // namespace cargobay::conformance

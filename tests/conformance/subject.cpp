@@ -19,7 +19,7 @@ void Conformance::SetUp() {
     link_ = std::make_unique<hal::sim::VirtualLink>(*device_);
   }
   ASSERT_FALSE(stream().set_baud(boot_baud));
-  // Enough to complete whatever command somebody left half-sent, and to leave Off.
+  // Enough to complete any command left half-sent, and to leave Off.
   send(Bytes(520, 128));
   send({150, 0, 152, 0, 136, 255});
   wait(300ms);

@@ -1,4 +1,4 @@
-// The device that the conformance suite asks: the virtual Create in virtual time, or whatever is at
+// The device that the conformance suite asks: the virtual Create in virtual time, or any device at
 // the other end of a port. The tests know nothing but its bytes.
 #pragma once
 
@@ -24,7 +24,7 @@ using std::chrono_literals::operator""s;
 
 // Opened by main(); null: the virtual Create.
 extern std::unique_ptr<hal::ByteStream> port;
-// What it listens at when a test begins.
+// The rate it listens at when a test begins.
 extern std::uint32_t boot_baud;
 
 class Conformance : public testing::Test {
@@ -36,9 +36,9 @@ class Conformance : public testing::Test {
 
   hal::ByteStream& stream() { return port ? *port : *link_; }
   void send(const Bytes& bytes);
-  // So many bytes, or what came within `patience`.
+  // `count` bytes, or what came within `patience`.
   Bytes receive(std::size_t count, rt::Duration patience = 2s);
-  // All that comes within that time.
+  // Everything that comes within that time.
   Bytes listen(rt::Duration period);
   // Sends, and returns the answer of that length.
   Bytes ask(const Bytes& command, std::size_t count) {
@@ -48,7 +48,7 @@ class Conformance : public testing::Test {
   std::uint8_t packet(std::uint8_t id);
   std::int16_t word_packet(std::uint8_t id);
   std::uint8_t mode() { return packet(35); }
-  // The distance of that time; readings clear.
+  // The distance travelled within that time; reading clears it.
   int moved_within(rt::Duration period);
   // Lets time pass, and drops what comes.
   void wait(rt::Duration period) { (void)listen(period); }

@@ -25,7 +25,7 @@ OPTION = re.compile(r"^ {1,6}(?:-\w,)?(--[\w-]+(?:,--[\w-]+)*)")  # further righ
 SUBCOMMAND = re.compile(r"^ {1,6}([a-z][\w-]*)(?:,|\s|$)")
 HEADING = re.compile(r"^(\S.*):\s*$")
 ENDS = {";", "|", "||", "&&", "&", "(", ")", "|&", ";;"}
-# Words that may stand before a command, and how many words of their own follow each.
+# Words that may precede a command, and how many words of their own follow each.
 BEFORE = {"sudo": 0, "exec": 0, "nohup": 0, "time": 0, "taskset": 2, "chrt": 2}
 
 
@@ -154,7 +154,7 @@ def faults(words, told):
             name = word.partition("=")[0]
             if name not in options:
                 yield f"{' '.join(('cargobay', *names))} has no {name}"
-                if not names:  # what follows may be its value
+                if not names:  # the next word may be its value
                     return
         elif word in subcommands and not word.startswith("-"):
             names += (word,)
@@ -246,7 +246,7 @@ SOUND = [
     "cargobay-guard --no",
 ]
 
-# A line, and what is said of it.
+# A line, and the complaint about it.
 PLANTED = [
     ("cargobay dirve", "cargobay has no command dirve"),
     ("cargobay drive --prot /dev/x", "cargobay drive has no --prot"),

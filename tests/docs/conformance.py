@@ -61,7 +61,7 @@ def read_table(text):
     """The rows in their order, each a dictionary with `page`, `number` and `id`; what is wrong."""
     try:
         pages = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:  # an id that is there twice is one
+    except tomllib.TOMLDecodeError as error:  # an id that occurs twice is one
         raise Faulty(f"no TOML: {error}") from error
     rows, wrong = [], []
     for page, entries in pages.items():
@@ -70,7 +70,7 @@ def read_table(text):
                 wrong.append(f"{page}.{number} is no id: it is p, the page, a dot and a number")
                 continue
             rows.append({"id": f"{page}.{number}", "page": int(page[1:]), "number": int(number), **entry})
-    # Programs that know no TOML read it a line at a time.
+    # Programs without a TOML parser read it a line at a time.
     for number, line in enumerate(text.splitlines(), 1):
         if line and not line.startswith("#") and not HEADER.fullmatch(line) and not LINE.fullmatch(line):
             wrong.append(f"line {number} is neither an id, a key with its value nor a comment")
@@ -218,7 +218,7 @@ note = "As we like."
 """
 KNOWN = {"Encode.SendsStart", "Modes.BeginOff", "Demos.Run"}
 
-# What is replaced, by what, what is said of it.
+# What is replaced, by what, and the complaint about it.
 PLANTED = [
     ('"Modes.BeginOff"', '"Modes.BeginOf"', "p7.1: no test is called Modes.BeginOf"),
     ('tests = ["Encode.SendsStart", "Modes.BeginOff"]\n', "", "p7.1: it has neither a test nor a reason"),

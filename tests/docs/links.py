@@ -17,7 +17,7 @@ import tempfile
 import urllib.parse
 
 PAGES = ("README.md", "CHANGELOG.md", "docs/**/*.md", "examples/**/*.md")
-NOT_OURS = {"build"}  # made, not kept
+NOT_OURS = {"build"}  # built, not committed
 
 FENCE = re.compile(r"^ {0,3}(`{3,}|~{3,})\s*([\w+-]*)")
 CODE = re.compile(r"(?<!`)(`+)(?!`)(.+?)(?<!`)\1(?!`)")
@@ -154,9 +154,9 @@ class Check:
 
     def text(self, page, number, line):
         for code in CODE.finditer(line):
-            # What follows a blank are arguments: `tests/run.sh --quick`.
+            # Words after a blank are arguments: `tests/run.sh --quick`.
             self.path(page, number, code.group(2).strip().partition(" ")[0])
-        bare = CODE.sub(" ", line)  # of a link whose text is code the brackets are left
+        bare = CODE.sub(" ", line)  # a link whose text is code leaves its brackets
         for pattern in (INLINE, DEFINED, HTML):
             for found in pattern.finditer(bare):
                 self.link(page, number, found.group(1))
@@ -193,7 +193,7 @@ SOUND = {
     "tests/run.sh": "#!/bin/sh\n",
 }
 
-# File, line to be added, what is said of it.
+# File, line to be added, and the complaint about it.
 PLANTED = [
     ("README.md", "[x](docs/no.md)", "there is no docs/no.md"),
     ("README.md", "![x](docs/no.svg)", "there is no docs/no.svg"),

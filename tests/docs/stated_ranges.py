@@ -17,7 +17,7 @@ import sys
 OPTION = re.compile(r"^ {1,6}(?:-\w,\s*)?(--[\w-]+)")
 RANGE = re.compile(r"in \[(\S+) - (\S+?)\]|(?<![\w.])(-?\d[\d.e+]*) to (-?\d[\d.e+]*)")
 NOWHERE = "/no/such/folder/there"
-# What makes each subcommand fail soon, and harmlessly, where it takes the rest.
+# Makes each subcommand fail early and harmlessly once it has accepted the value.
 FAILS = {
     "drive": ["--port", NOWHERE], "calibrate": ["--port", NOWHERE], "jitter": ["--port", NOWHERE],
     "send": ["--port", NOWHERE, "start"], "bringup": ["--port", NOWHERE],

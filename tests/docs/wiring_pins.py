@@ -32,7 +32,7 @@ SAID = [
     "switched 5 V out (100 mA)", "pin 9: 0.5 A", "pins 10 to 12: 1.5 A",
 ]
 
-# By docs/wiring.md: what a line that begins so says.
+# From docs/wiring.md: what a line that begins like this says.
 CIRCUITS = [
     ("| 19, 7, 20: digital outputs", "20 mA"),
     ("| 19, 7, 20: digital outputs", "an LED with its resistor"),
@@ -76,7 +76,7 @@ def faults(drawing):
 
 
 def missing_circuits(text):
-    # A table's row, or an entry of a list with the lines that go on.
+    # A table row, or a list entry with its continuation lines.
     lines = re.sub(r"\n  (?=\S)", " ", text).splitlines()
     return [f"docs/wiring.md does not say {words!r} at {begin!r}" for begin, words in CIRCUITS
             if not any(line.startswith(begin) and words in line for line in lines)]

@@ -28,12 +28,12 @@ from harness import Build, Watched, command, owner, watched  # noqa: E402
 from virtual_create import ALLOWANCE_S, STOP_S, VirtualCreate  # noqa: E402
 
 PHASES = ("bring_up", "drive", "leave")
-# In these it is the guard that meets the fault: its program was killed, or suspended.
+# In these cases the guard meets the fault: its program was killed, or suspended.
 GUARDED = ("killed", "hung")
-# Half of them the command; what is linked is one library.
+# Half of them are the command; the linked ones all use one library.
 DRIVERS = ("command", "command", "command", "c", "c", "cpp", "python")
-# What a kernel may say to each, by its manual pages and the tty layer's sources; SHORT: one byte of
-# those asked for, ZERO: returns 0, HUP and NVAL: what poll() finds.
+# What a kernel may return to each, by its manual pages and the tty layer's sources; SHORT: one byte
+# of those asked for, ZERO: returns 0, HUP and NVAL: what poll() finds.
 ERRORS = {
     "open": ("EINTR", "EIO", "ENXIO", "ENODEV", "ENOMEM", "EMFILE", "ENFILE", "EACCES", "EBUSY"),
     "read": ("EIO", "EAGAIN", "EINTR", "EBADF", "ENXIO", "ENOMEM", "EINVAL", "SHORT", "ZERO"),
@@ -52,9 +52,9 @@ ERRORS = {
     "tcdrain": ("EIO", "EBADF", "EINTR", "ENOTTY"),
     "isatty": ("EIO", "EBADF"),
 }
-# These put the port's settings back, or tell that it is the port: failing, they may not have.
+# These restore the port's settings, or report that it is the port: if they fail, they may not have.
 SETTINGS = ("ioctl", "tcgetattr", "tcsetattr", "fcntl", "fstat")
-# Of the calls that were counted so many are not drawn: a drive has a frame more or less.
+# This share of the counted calls is not drawn: drives differ by a frame or so.
 _SPARE = 0.1
 
 
@@ -231,7 +231,7 @@ def main():
     met = sum(run.injected for run in runs)
     print(f"{len(runs)} runs of seed {options.seed}, {met} met their fault, {failed} failed, "
           f"in {time.monotonic() - begin:.0f} s")
-    # A campaign that hardly injects proves nothing.
+    # A campaign that hardly injects anything proves nothing.
     return 1 if failed or met < len(runs) / 2 else 0
 
 

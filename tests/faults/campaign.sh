@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Makes each system call on the port fail once, at a random call, and puts the table of what became
-# of the robots into docs/reliability.md, between its marks.
-# usage: tests/faults/campaign.sh [RUNS] [SEED]
-# Builds what it needs of the dev preset. 10 000 runs unless told: half an hour on two cores.
+# Makes each system call on the port fail once, at a random call, and puts the table of what
+# happened to the robots into docs/reliability.md, between its marks. usage:
+# tests/faults/campaign.sh [RUNS] [SEED] Builds what it needs of the dev preset. 10 000 runs by
+# default: half an hour on two cores.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -1,5 +1,5 @@
 // A library to preload: it makes one system call on the robot's port fail, once. The program under
-// test and its guard are the shipped ones; what they call in the C library is wrapped here.
+// test and its guard are the shipped ones; the C library functions that they call are wrapped here.
 //
 // Environment:
 //   FAULT_PORT   path of the port; the calls are those on any descriptor of this device
@@ -11,7 +11,7 @@
 //   FAULT_ERROR  an errno as a number; or SHORT (one byte), ZERO (returns 0), HUP, NVAL (poll's)
 //   FAULT_LOG    file that gets a line for what happened
 //
-// A call that fails is not made, except for close(), which frees the number even when it fails.
+// A failing call is not made, except for close(), which frees the number even when it fails.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -46,8 +46,8 @@ consteval std::size_t call(std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(kCalls, name) - kCalls.begin());
 }
 
-// Told by what is written: the first command that turns a wheel begins the drive, the next that
-// stops both ends it.
+// Recognised by what is written: the first command that turns a wheel begins the drive, the next
+// that stops both ends it.
 enum class Phase : std::uint8_t { bring_up, drive, leave };
 constexpr std::array<std::string_view, 3> kPhases{"bring_up", "drive", "leave"};
 
@@ -74,12 +74,12 @@ std::array<std::array<std::atomic<std::uint64_t>, kCalls.size()>, kPhases.size()
 std::atomic<std::uint64_t> seen{0};
 std::atomic<bool> told_stop{false};
 
-// The C library's own, in a function of the same name.
+// The C library's own function, in a function of the same name.
 #define CARGOBAY_NEXT(function) \
   static const auto real = reinterpret_cast<decltype(&(function))>(dlsym(RTLD_NEXT, #function))
 
-// A line of the log: time, who, what, phase, call, number. By system calls alone: nothing of it
-// comes by here again.
+// A line of the log: time, who, what, phase, call, number. Uses raw system calls, so that nothing
+// it does comes by here again.
 void note(const char* what, std::string_view when = "-", std::string_view which = "-",
           std::uint64_t number = 0) {
   if (plan.log == nullptr) return;
@@ -132,8 +132,8 @@ bool fails(std::size_t call) {
   return true;
 }
 
-// What the log says of bytes: the phases, the guard's stop, and zeros in front of a command, which
-// only complete what was cut. The rest of a write begins no command.
+// What the log says about bytes: the phases, the guard's stop, and zeros before a command, which
+// only complete one that was cut. The rest of a write does not begin a command.
 void look_at(std::span<const std::uint8_t> bytes) {
   const auto first = std::ranges::find_if(bytes, [](std::uint8_t byte) { return byte != 0; });
   const auto zeros = static_cast<std::size_t>(first - bytes.begin());
@@ -149,7 +149,7 @@ void look_at(std::span<const std::uint8_t> bytes) {
   if (!turns && now == Phase::drive) phase = Phase::leave;
 }
 
-// A wait on the port; what it returns then.
+// A wait on the port; sets what it returns then.
 bool poll_fails(std::span<pollfd> files, int& result) {
   if (std::ranges::none_of(files, [](const pollfd& file) { return is_port(file.fd); }))
     return false;
@@ -221,7 +221,7 @@ int number(std::string_view text) {
 // NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
 
-// With what may follow, whether it does or not.
+// The mode argument may or may not be there; it is passed on either way.
 #define CARGOBAY_WRAP_OPEN(function)                           \
   int function(const char* path, int flags, ...) {             \
     CARGOBAY_NEXT(function);                                   \

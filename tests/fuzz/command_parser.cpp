@@ -1,5 +1,5 @@
 // Any bytes through the command parser, byte by byte, and through parse_command: both divide them
-// the same way, and what is a command is encoded to the same bytes again.
+// the same way, and each command is encoded to the same bytes again.
 #include "oi/command_parser.hpp"
 
 #include <algorithm>

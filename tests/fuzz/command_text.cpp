@@ -50,7 +50,7 @@ void check_text(std::string_view text) {
   }
 }
 
-// The same bytes as what they might be on the wire: every byte is told of once.
+// The same bytes as they might be on the wire: every byte is described once.
 void check_description(std::span<const std::uint8_t> bytes) {
   std::size_t told = 0;
   const auto tell = [&told](const oi::Annotation& annotation) {

@@ -1,4 +1,4 @@
-// Any bytes as a recording, as they are and with their checksums put right; what can be read is
+// Any bytes as a recording, both unchanged and with corrected checksums; whatever can be read is
 // replayed.
 #include "hal/recording/recording.hpp"
 
@@ -35,7 +35,7 @@ void use(const Bytes& file) {
   (void)estimate_again(*recording, recording->header().parameters.loop.estimator);
   const auto result = replay(*recording);
   require(static_cast<bool>(result) == (recording->unbroken() > 0));
-  // A recording is the same each time, whatever is in it.
+  // A replay gives the same result each time, whatever is in the recording.
   if (result) {
     const auto again = replay(*recording);
     require(again->frames == result->frames && again->commands == result->commands);

@@ -1,4 +1,4 @@
-// Any input as a ring tone: the notes of what is accepted can be sent, an error has its place.
+// Any input as a ring tone: the notes of an accepted one can be sent, an error has a position.
 #include "oi/text/rtttl.hpp"
 
 #include <cstddef>

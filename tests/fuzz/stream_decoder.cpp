@@ -1,4 +1,5 @@
-// Any bytes through the stream decoder. The first chooses form and packets, the rest is the line.
+// Any bytes through the stream decoder. The first byte chooses form and packets, the rest is the
+// line.
 #include "oi/stream_decoder.hpp"
 
 #include <algorithm>
@@ -50,7 +51,7 @@ class Line {
     for (; outcome != Outcome::nothing; outcome = decoder_.next()) take_one(outcome);
   }
 
-  // What is published stands in the line where the counters say, and is a frame.
+  // A published frame is in the line at the place the counters give, and is a frame.
   void take_one(Outcome outcome) {
     if (outcome != Outcome::frame) return;
     const std::span<const std::uint8_t> frame = decoder_.frame();
@@ -70,7 +71,7 @@ class Line {
     const auto bytes = bytes_.subspan(begin, end - begin);
     return is_well_formed(bytes, item_sizes(extensions_)) && checksum_matches(bytes, form_);
   }
-  // Where frames begin that end there.
+  // The beginnings of frames that end there.
   std::vector<std::size_t> frames_that_end(std::size_t end) const {
     std::vector<std::size_t> begins;
     for (std::size_t begin = end > kMaxFrameBytes ? end - kMaxFrameBytes : 0; begin < end;
@@ -80,8 +81,8 @@ class Line {
     return begins;
   }
 
-  // The decoder's promise: of two whole frames, one behind the other, the second is out with its
-  // last byte, unless another frame that was believed has some of their bytes.
+  // The decoder's promise: of two whole frames in a row, the second is published with its last
+  // byte, unless another frame that was believed contains some of their bytes.
   void second_frame_is_in_time(std::size_t end) const {
     for (const std::size_t second : frames_that_end(end)) {
       for (const std::size_t first : frames_that_end(second)) {

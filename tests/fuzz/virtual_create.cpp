@@ -1,6 +1,5 @@
-// Any bytes at any time and rate, with anything held to its sensors and any fault of its line: the
-// virtual Create goes on, keeps what it promises, and after a power cycle serves as on its first
-// day.
+// Any bytes at any time and rate, with any sensor input and any fault of the line: the virtual
+// Create goes on, keeps its promises, and after a power cycle works as on its first day.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -77,7 +76,7 @@ class Schedule {
   }
 
   void step(std::uint8_t choice) {
-    if (choice < 128) {  // so many bytes, back to back
+    if (choice < 128) {  // this many bytes, back to back
       const std::size_t count = std::min<std::size_t>(choice % 16 + 1, input_.size());
       (void)link_.write(input_.first(count));
       input_ = input_.subspan(count);

@@ -42,7 +42,7 @@ class FindLine : public testing::Test {
     EXPECT_EQ(found->chip_path, path);
     EXPECT_EQ(found->offset, offset);
   }
-  // The one line that tells why there is no such line.
+  // The one line that explains why there is no such line.
   std::string complaint(const LineAddress& address, Kind kind) {
     EXPECT_FALSE(find(address));
     EXPECT_EQ(error_.kind, kind);

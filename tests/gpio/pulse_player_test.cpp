@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::Pair;
 
-// Time that passes only while somebody waits, and as late as the test says.
+// Time that passes only during waits, with delays that the test sets.
 class VirtualClock final : public PulseClock {
  public:
   TimePoint now() override { return TimePoint{time}; }

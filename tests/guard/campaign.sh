@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# How long a robot rolls on where its program dies or hangs: the guard's figures for
+# How long a robot keeps rolling when its program dies or hangs: the guard's figures for
 # docs/reliability.md, which it rewrites between its marks.
 # usage: tests/guard/campaign.sh [DEATHS] [FOLDER]
-#   DEATHS  by SIGKILL, each with idle cores and with all of them loaded (1000); of the others a fifth
+#   DEATHS  by SIGKILL, both with idle and with loaded cores (1000); a fifth as many of the others
 #   FOLDER  the build's (build/dev)
-# Takes about half an hour, wants the machine for itself, and needs root (or CAP_SYS_NICE) and
+# Takes about half an hour, wants the machine to itself, and needs root (or CAP_SYS_NICE) and
 # stress-ng.
 set -euo pipefail
 
@@ -25,12 +25,12 @@ leave() {
 trap leave EXIT
 
 failed=0
-# run NAME BOUND: all deaths, the rows with the load's name in front. BOUND: ms for the p99.
+# run NAME BOUND: all deaths, the rows prefixed with the load's name. BOUND: ms for the p99.
 run() {
   {
     "$program" --deaths "$deaths" --lanes 4 --judge "$2" --way kill || failed=1
     "$program" --deaths $((deaths / 5)) --lanes 4 --judge "$2" --way segv --way abort || failed=1
-    # Hung ones are found by the deadline, and may take three frames beyond it.
+    # Hung programs are found by the deadline, plus up to three frames.
     "$program" --deaths $((deaths / 5)) --lanes 4 --judge 45 --way stop --way endless || failed=1
   } | tee /dev/stderr | sed -n "s/^| \(kill\|segv\|abort\|stop\|endless\) /| $1 &/p" |
     sed 's/| |/|/' >> "$result"

@@ -29,7 +29,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPatience{10'000};
 constexpr milliseconds kRest{600};         // from full speed to rest, by the wheels' lag
 constexpr std::uint64_t kMostFrames = 33;  // half a second
-// A robot's own processor is not held up by a loop that spins at priority 80.
+// A robot's own processor is not delayed by a loop that spins at priority 80.
 constexpr int kRobotPriority = 95;
 constexpr double kMoving = 20.0;  // mm/s
 constexpr double kAtRest = 2.0;
@@ -49,7 +49,7 @@ bool eventually(const std::function<bool()>& holds) {
   return true;
 }
 
-// A process that says on a pipe when it does the deed.
+// A process that reports on a pipe when it dies or hangs.
 class Victim {
  public:
   Victim(Way way, const std::string& port, std::uint64_t frames, rt::Duration deadline) {
@@ -83,14 +83,14 @@ class Victim {
   void send(int signal) const {
     if (process_ > 0) kill(process_, signal);
   }
-  // Waits for its end; its status.
+  // Waits for its end; returns its status.
   int collect() {
     int status = 0;
     if (process_ > 0) waitpid(process_, &status, 0);
     process_ = -1;
     return status;
   }
-  // When it did the deed, by its own word; nothing where it says none.
+  // When it died or hung, by its own report; nothing if it made none.
   std::optional<rt::TimePoint> deed() const {
     pollfd end{.fd = said_, .events = POLLIN, .revents = 0};
     if (poll(&end, 1, static_cast<int>(kPatience.count())) != 1) return std::nullopt;
@@ -151,7 +151,7 @@ std::uint64_t DeathBed::draw(std::uint64_t below) {
   return (chance_ >> 33U) % below;
 }
 
-// What the robot's own time counts from.
+// The origin of the robot's own time.
 rt::TimePoint DeathBed::power_on() const {
   rt::TimePoint zero;
   server_->with_device(
@@ -182,7 +182,7 @@ Death DeathBed::let_die(Way way) {
   }
   if (!death.drove) return death;
   death.passive = eventually([this] { return server_->snapshot().mode == oi::Mode::passive; });
-  // One that hangs wakes, and must have nothing more to say.
+  // A suspended program wakes up, but must no longer have any effect.
   if (way == Way::stop) victim.send(SIGCONT);
   sleep(kRest);
   const rt::Duration since = deed - power_on();
@@ -203,7 +203,7 @@ namespace {
 
 struct Deed {
   Way way;
-  int frames;  // left
+  int frames;  // frames left
 };
 
 void say_now() {
@@ -214,7 +214,7 @@ void say_now() {
 }
 
 void commit(Way way) {
-  if (way == Way::kill) return;  // that comes from outside
+  if (way == Way::kill) return;  // sent from outside
   say_now();
   std::atomic<bool> forever{true};
   switch (way) {
@@ -239,7 +239,7 @@ rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double 
 }  // namespace
 
 int be_victim(Way way, const std::string& path, int frames, rt::Duration deadline) {
-  const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};  // a dump takes its time, and the deadline
+  const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};  // a dump takes time, and the deadline
   (void)setrlimit(RLIMIT_CORE, &no_core);
   auto stream = hal::open_pty(path, oi::kDefaultBaud);
   if (!stream) {

@@ -1,4 +1,4 @@
-// One program that drives and dies, and what became of its robot.
+// One program that drives and dies, and what happened to its robot.
 #pragma once
 
 #include <array>
@@ -20,25 +20,24 @@ inline constexpr std::array kWays{Way::kill, Way::segv, Way::abort, Way::stop, W
 
 std::string_view name(Way way);
 std::optional<Way> find_way(std::string_view wanted);
-// Whether the program lives on, and only its loop stands still.
+// Whether the program stays alive and only its loop hangs.
 bool is_hang(Way way);
 
 struct Death {
   bool drove = false;    // its wheels turned before
-  bool stopped = false;  // the robot was told to, by its port, and its wheels rest
+  bool stopped = false;  // it was told to stop, through its port, and its wheels rest
   bool passive = false;
-  bool quiet = false;       // no other drive command behind that
-  rt::Duration to_stop{0};  // from the deed to the last byte of the stop
+  bool quiet = false;       // no other drive command after that
+  rt::Duration to_stop{0};  // from the death to the last byte of the stop
 };
 
-// A virtual Create for one victim after the other. Each drives it by a Robot of its own, in a
-// process of its own.
+// A virtual Create for a series of victims. Each drives it with its own Robot, in its own process.
 class DeathBed {
  public:
-  // Null, having said why, where there is no pseudo-terminal.
+  // Null, after printing why, if there is no pseudo-terminal.
   static std::unique_ptr<DeathBed> make(std::uint64_t seed, rt::Duration deadline);
 
-  // Takes about a second. The moment is drawn: up to half a second behind the first motion.
+  // Takes about a second. The moment is random: up to half a second after the first motion.
   Death let_die(Way way);
 
  private:
@@ -51,11 +50,11 @@ class DeathBed {
   rt::Duration deadline_;
   std::mutex mutex_;
   std::vector<hal::sim::DriveRecord> records_;  // under mutex_
-  std::unique_ptr<hal::sim::Server> server_;    // outlived by the records
+  std::unique_ptr<hal::sim::Server> server_;    // destroyed before the records
 };
 
-// What the victim's process runs: `path` is the robot's port; dies behind so many frames. Returns
-// the exit code of one that could not even do that.
+// Runs in the victim's process: `path` is the robot's port; dies after `frames` frames. Returns the
+// exit code if it could not even do that.
 int be_victim(Way way, const std::string& path, int frames, rt::Duration deadline);
 
 }  // namespace cargobay::test

@@ -1,10 +1,10 @@
 // guard_campaign [--deaths N] [--way kill|segv|abort|stop|endless]... [--lanes N] [--judge MS]
 //
 // Lets programs that drive a virtual Create over a pseudo-terminal die, each at a random moment,
-// and looks whether their guards stop the robots. Fails where one rolls on, is not made Passive, or
-// is commanded again. How long it took, from the deed to the last byte of the stop at the robot, is
-// printed; judged it is only where --judge says what the p99 may be, beyond the deadline for those
-// that hang.
+// and checks that their guards stop the robots. Fails if one keeps rolling, is not made Passive, or
+// is commanded again. Prints how long it took, from the death to the last byte of the stop at the
+// robot; this is only judged if --judge gives the limit for the p99, on top of the deadline for
+// programs that hang.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 
@@ -71,15 +71,15 @@ bool run_way(Way way, const Plan& plan) {
   std::mutex mutex;
   std::atomic<int> left{plan.deaths};
   std::vector<std::thread> lanes;
-  // One that spins takes a processor; the kernel needs another to hand over what a pseudo-terminal
-  // carries.
+  // A spinning program takes up a processor; the kernel needs another to pass on the bytes of a
+  // pseudo-terminal.
   const int count = way == Way::endless ? 1 : plan.lanes;
   lanes.reserve(static_cast<std::size_t>(count));
   for (int lane = 0; lane < count; ++lane) {
     lanes.emplace_back([&, lane] { run_lane(way, lane, left, mutex, result); });
   }
   for (std::thread& lane : lanes) lane.join();
-  while (waitpid(-1, nullptr, WNOHANG) > 0) {  // guards whose owners died
+  while (waitpid(-1, nullptr, WNOHANG) > 0) {  // guards whose owners have died
   }
   const auto ms = [&result](double percent) {
     return static_cast<double>(result.to_stop_ns.percentile(percent)) / 1e6;
@@ -99,7 +99,7 @@ int usage() {
   return 2;
 }
 
-// 0 where the text is none: no option takes that.
+// 0 if the text is not a number: no option accepts 0.
 template <typename Number>
 Number number(const std::string& text) {
   Number value = 0;

@@ -1,4 +1,4 @@
-// What another thread asks the control cycle to send.
+// A command that another thread asks the control cycle to send.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// A byte stream that damages what the robot sends before the host reads it, takes less of what the
-// host sends than it is given, or loses it on the way.
+// A byte stream that damages what the robot sends before the host reads it, accepts less than the
+// host gives it, or loses it on the way.
 #pragma once
 
 #include <cerrno>
@@ -18,15 +18,15 @@ class DamagedStream final : public ByteStream {
 
   // Called before each wait.
   std::function<void()> before_wait{};
-  // Called with what each read returned; may change it, and returns how many bytes are left.
+  // Called with what each read returned; may change it, and returns how many bytes remain.
   std::function<std::size_t(std::span<std::uint8_t>)> damage{};
-  // Called with what is to be written; returns how much of it, from its beginning, is taken.
+  // Called with what is to be written; returns how many of its first bytes are accepted.
   std::function<std::size_t(std::span<const std::uint8_t>)> accept{};
-  // Called with what was taken; returns how much of it, from its beginning, gets to the robot.
+  // Called with what was accepted; returns how many of its first bytes reach the robot.
   std::function<std::size_t(std::span<const std::uint8_t>)> carry{};
 
-  // In virtual time the robot runs on the thread that waits for it, and so do the test's own
-  // functions: they may allocate.
+  // In virtual time the robot and the test's own functions run on the thread that waits: they may
+  // allocate.
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, deadline] {
       if (before_wait) before_wait();

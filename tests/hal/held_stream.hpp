@@ -1,5 +1,5 @@
 // A byte stream on which what the robot sends is held up on its way to the host: by an adapter that
-// hands over now and then, by a kernel that has other things to do. In virtual time.
+// delivers now and then, by a kernel that is busy with other things. In virtual time.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +18,11 @@ class HeldStream final : public ByteStream {
  public:
   explicit HeldStream(sim::VirtualLink& link) : link_{&link} {}
 
-  // When the bytes that arrive at a time are handed over: not before that time, and in order. At
-  // once where empty.
+  // When bytes that arrive at a given time are delivered: not before that time, and in order.
+  // Empty: at once.
   std::function<rt::TimePoint(rt::TimePoint arrival)> hand_over{};
 
-  // In virtual time nobody waits for what these allocate.
+  // In virtual time nothing waits for these allocations.
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     return rt::unchecked([this, deadline] { return wait_for_bytes(deadline); });
   }

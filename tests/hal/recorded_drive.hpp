@@ -27,7 +27,7 @@ class RecordedDrive {
   // Called once a frame on the control thread.
   std::function<void(int frame)> on_frame{};
 
-  // Drives for so many frames, to and fro.
+  // Drives for `frames` frames, to and fro.
   void run(int frames) {
     frames_left_ = frames;
     EXPECT_TRUE(bring_up(line, {.packets = kReadingList}));
@@ -44,7 +44,7 @@ class RecordedDrive {
     recorder.ended(end);
   }
 
-  // Header and blocks, as they stand in a file.
+  // Header and blocks, as in a file.
   std::vector<std::uint8_t> file() const {
     std::vector<std::uint8_t> bytes = encode(header);
     FlightRecorder::Cursor cursor;
@@ -58,7 +58,7 @@ class RecordedDrive {
 
   sim::Device device;
   sim::VirtualLink link;
-  DamagedStream line{link};  // undamaged unless told
+  DamagedStream line{link};  // undamaged by default
   FlightRecorder recorder{};
   RecordingHeader header{.software = "test", .note = "to and fro"};
   CycleEnd end = CycleEnd::asked;
@@ -69,7 +69,7 @@ class RecordedDrive {
  private:
   static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
-    // A test's own, in virtual time: it may allocate.
+    // A test's own function, in virtual time: it may allocate.
     return rt::unchecked([=] { return static_cast<RecordedDrive*>(context)->control(seconds); });
   }
   static void record(void* context, const CycleState& state) CARGOBAY_NONBLOCKING {

@@ -1,5 +1,5 @@
 // Each default, range and bound that the header, the manual page and the shipped configuration
-// state is the code's: read from their text, and compared with the constant that the code goes by.
+// state is the code's: read from their text, and compared with the constant that the code uses.
 
 #include <algorithm>
 #include <fstream>
@@ -49,11 +49,11 @@ double count(rt::Duration time) {
   return duration<double, Unit>{time}.count();
 }
 
-// What a setting is, in the words that the texts have for it.
+// A setting, in the words that the texts have for it.
 struct Setting {
   std::string name{};
   std::optional<Range> range{};
-  std::optional<double> by_default{};  // none: left out it is found out, or not there
+  std::optional<double> by_default{};  // none: if left out, it is found out or absent
 };
 
 const ControlCycle::Parameters kCycle{};
@@ -144,7 +144,7 @@ void expect_members_state(const std::string& name, const std::vector<Setting>& s
     expect_states(name, comments.at(setting.name), setting,
                   "(0: (the configuration's, or )?|after power-on: )");
   }
-  // Nothing else may state a value that nobody compares.
+  // No other member may state a value that is not compared.
   for (const auto& [member, comment] : comments) {
     if (known.contains(member)) continue;
     EXPECT_FALSE(std::regex_search(comment, std::regex{R"(\b[1-9]\d*(\.\d+)?\b)"}))
@@ -180,14 +180,14 @@ TEST(StatedValues, OfTheShippedConfiguration) {
     } else {
       expect_states("cargobay.toml", found[2], key, "; ");
     }
-    // Taking the "#" off changes nothing that has a default.
+    // Removing the "#" changes nothing that has a default.
     if (key.by_default) {
       EXPECT_EQ(std::stod(found[1]), *key.by_default) << key.name;
     }
   }
 }
 
-// Sentences of the header, with the numbers that are in them.
+// Sentences of the header that contain numbers.
 TEST(StatedValues, OfTheSentencesOfTheHeader) {
   const std::string header =
       std::regex_replace(text_of("hal/c/cargobay.h"), std::regex{R"(\s+(\*(?!/)\s*)?)"}, " ");

@@ -20,7 +20,7 @@ namespace cargobay::hal::test {
 
 struct Tick {
   CycleState state{};
-  rt::WheelSpeeds truth{};  // at the robot's tick whose frame this was
+  rt::WheelSpeeds truth{};  // at the tick of the robot that sent this frame
 };
 
 struct DriveResult {
@@ -53,7 +53,7 @@ class VirtualDrive {
   // Called once a frame on the control thread, before the target is asked for.
   std::function<void(int frame, ControlCycle&)> on_frame{};
 
-  // Drives by `target` (robot time in seconds to wheel speeds) for so many frames.
+  // Drives by `target` (robot time in seconds to wheel speeds) for `frames` frames.
   DriveResult run(int frames, std::function<rt::WheelSpeeds(double)> target,
                   ControlCycle::Parameters parameters = {}) {
     target_ = std::move(target);
@@ -80,12 +80,12 @@ class VirtualDrive {
 
   sim::Device device;
   sim::VirtualLink link;
-  DamagedStream line{link};  // undamaged unless told
-  // The rest of one that was cut may then be filled up in the tick of the next.
+  DamagedStream line{link};  // undamaged by default
+  // The rest of a command that was cut may then be sent in the tick of the next one.
   bool cuts_commands = false;
 
  private:
-  // In every drive, whatever else is done to its line. A stop need not wait for a tick.
+  // In every drive, whatever else happens to its line. A stop need not wait for a tick.
   void expect_one_command_a_tick() const {
     if (cuts_commands) return;
     std::optional<std::uint64_t> last_tick;
@@ -111,7 +111,7 @@ class VirtualDrive {
   }
   static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
-    // A test's own, in virtual time: it may allocate.
+    // A test's own function, in virtual time: it may allocate.
     return rt::unchecked(
         [context, seconds] { return static_cast<VirtualDrive*>(context)->control(seconds); });
   }

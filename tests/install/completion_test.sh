@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What bash offers behind the beginning of a command line.
+# What bash offers after the beginning of a command line.
 # usage: completion_test.sh [COMMAND]; by itself build/release/cargobay
 set -uo pipefail
 
@@ -9,7 +9,7 @@ program=$(realpath "${1:-$root/build/release/cargobay}")
 source "$root/docs/completion/cargobay"
 failed=0
 
-# offered LINE: as readline would ask, one word a line.
+# offered LINE: what readline would get, one word per line.
 offered() {
   COMP_LINE=$1 COMP_POINT=${#1} COMPREPLY=()
   # Outside of a completion compopt has nothing to change.
@@ -69,7 +69,7 @@ is "$program plot -o mine.r" mine.rec
 is "$program jitter comp" compare
 has "$program jitter compare --" --plot
 is "$program no-such-command --po"
-# Whatever serial ports there are, and nothing else.
+# All the serial ports of this machine, and nothing else.
 while IFS= read -r port; do
   [[ -z $port || -e $port ]] || { echo "--port offers $port, which is not there"; failed=1; }
 done < <(offered "$program drive --port ")

@@ -12,7 +12,7 @@ complain() {
   failed=1
 }
 
-# As hal/config/config.cpp names them: the first word in quotes of what makes a key.
+# The names in hal/config/config.cpp: the first word in quotes of what makes a key.
 mapfile -t keys < <(tr '\n' ' ' < "$root/hal/config/config.cpp" |
   grep -oE '(_key\(|table\(|\{)"[a-z_0-9]+",' | grep -oE '[a-z_0-9]+",$' | tr -d '",' | sort -u)
 ((${#keys[@]} >= 20)) || complain "found only ${#keys[@]} keys in hal/config/config.cpp"
@@ -22,7 +22,7 @@ for key in "${keys[@]}"; do
     grep -qwF -- "$key" "$root/docs/man/cargobay.toml.5" || complain "docs/man/cargobay.toml.5: no $key"
 done
 
-# With all of it in force, the command goes on to the port, which is none.
+# With all settings active, the command goes on to the port, which does not exist.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 sed -E 's/^#(\[|[a-z_0-9]+ = )/\1/' "$example" > "$folder/all.toml"

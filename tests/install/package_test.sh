@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs the packages on a minimal Debian in a folder, uses them, and takes them away again.
+# Installs the packages on a minimal Debian in a folder, uses them, and removes them again.
 # usage: tests/install/package_test.sh FOLDER_WITH_DEBS [bookworm|trixie]
-# Without a release: the one that this machine has. Needs root and debootstrap. CARGOBAY_ROOT=FOLDER
-# keeps the root there: an empty folder is filled, a filled one is used again. CARGOBAY_MIRROR is the
-# package archive.
+# Without a release: the one of this machine. Needs root and debootstrap. CARGOBAY_ROOT=FOLDER keeps
+# the root there: an empty folder is filled, a filled one reused. CARGOBAY_MIRROR is the package
+# archive.
 set -euo pipefail
 
 usage() {
@@ -33,7 +33,7 @@ leave() {
   local folder
   for folder in ${mounted[@]+"${mounted[@]}"}; do umount -l "$folder"; done
   rm -f "$log"
-  # Never through a mount that is still there.
+  # Never through a mount that still exists.
   ((keep)) || rm -rf --one-file-system "$root"
 }
 trap leave EXIT
@@ -88,7 +88,7 @@ inside() {
   chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
     DEBIAN_FRONTEND=noninteractive setsid bash -euo pipefail -c "cd /tmp; $1"
 }
-# What there is, but for the package managers' own memory.
+# All files, except the package managers' own records.
 files() {
   chroot "$root" find / -xdev \( -path /proc -o -path /sys -o -path /dev -o -path /tmp \
     -o -path /packages -o -path /var/cache -o -path /var/lib/apt -o -path /var/lib/dpkg \
@@ -105,7 +105,7 @@ nothing_left() {
 install='apt-get install -q -y --no-install-recommends /packages/*.deb'
 purge='apt-get purge -q -y --autoremove cargobay libcargobay-dev libcargobay0'
 
-# First what the packages bring by themselves.
+# First, what the packages pull in themselves.
 step "package lists" inside 'apt-get update -q'
 inside "! dpkg -s libcargobay0 > /dev/null 2>&1 || $purge" > /dev/null
 files > "$log.before"
@@ -120,7 +120,7 @@ step "the guard is where the library looks for it: $guard" \
 step "apt-get purge" inside "$purge"
 step "nothing is left" nothing_left
 
-# Then what programs are made with.
+# Then, what is needed to build programs.
 step "compiler, CMake, Python, lintian" \
   inside 'apt-get install -q -y --no-install-recommends gcc g++ make cmake pkg-config python3 lintian'
 files > "$log.before"

@@ -40,7 +40,7 @@ class Header(unittest.TestCase):
 
     def structs(self):
         for name, body in re.findall(r"struct cargobay_(\w+) \{(.*?)\n\};", BARE, flags=re.S):
-            # Of a declaration the last word, or that before "[" or, of a function, in "(*)".
+            # The last word of a declaration, or the one before "[" or, for a function, in "(*)".
             members = []
             for text in filter(str.strip, body.split(";")):
                 pointer = re.search(r"\(\*(\w+)\)", text)
@@ -80,7 +80,7 @@ class Header(unittest.TestCase):
             in_c = {key: eval(value) for key, value in
                     re.findall(r"CARGOBAY_(\w+) = ([-0-9< ]+)", body)}
             in_c.pop("PACKETS", None)
-            # The names in C begin with what they are of.
+            # The names in C begin with what they belong to.
             for key, value in in_c.items():
                 member = python(value).name
                 self.assertTrue(key == member or key.endswith("_" + member), f"{key}: {member}")
@@ -160,7 +160,7 @@ class InVirtualTime(unittest.TestCase):
                     if state.tick == 50:
                         sim.inject("cliff front_left on")
             self.assertEqual(caught.exception.code, Error.MODE)
-            # Refused at once; why, the next frames tell.
+            # Refused at once; the next frames say why.
             with self.assertRaises(CargobayError) as caught:
                 for state in robot.states(1.0):
                     pass
@@ -319,7 +319,7 @@ class Arguments(unittest.TestCase):
         sim = virtual()
         sim.close()
         with self.assertRaises(CargobayError) as caught:
-            Robot(sim=sim)  # not one of its own in its place
+            Robot(sim=sim)  # not its own one instead
         self.assertEqual(caught.exception.code, Error.HANDLE)
 
     def test_what_progress_raises_comes_out(self):
@@ -422,7 +422,7 @@ robot.close()
         for end in ("", "sys.exit(0)", "raise SystemExit(0)"):
             self.run_program(f"owner = Owner()\n{end}")
         self.run_program("owner = Owner()\nraise KeyError('planted')", status=1, said="planted")
-        # While it is used by a thread that does not end.
+        # While a thread that does not end is using it.
         self.run_program("""
 owner = Owner()
 def use():

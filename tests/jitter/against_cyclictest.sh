@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # `cargobay jitter --channels sleep` against cyclictest (rt-tests), in turns on one CPU.
 # usage: tests/jitter/against_cyclictest.sh [ROUNDS [WAKES]]
-# Twenty rounds of 3000 wake-ups each at 1 ms and priority 80 unless told: two minutes. Fails where the
-# medians of all differ by more than 10 %, or the p99 by more than cyclictest's rounds among themselves.
+# Twenty rounds of 3000 wake-ups each at 1 ms and priority 80 by default: two minutes. Fails if the
+# overall medians differ by more than 10 %, or the p99 by more than cyclictest's rounds differ.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

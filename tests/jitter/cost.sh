@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# What a whole cycle costs beside its parts, in instructions, and the loop's share of a core.
-# usage: tests/jitter/cost.sh
-# Fails where a cycle takes more than 1.15 times the instructions, those of the kernel included, of a
-# bare echo on a pseudo-terminal, the decoder and the loop (estimator and controller) together, or
-# the loop more than 2 % of a core. Wants valgrind, and qemu for the kernel's (.ci/packages.sh test).
+# What a whole cycle costs compared with its parts, in instructions, and the loop's share of a core.
+# usage: tests/jitter/cost.sh Fails if a cycle takes more than 1.15 times the instructions, those of
+# the kernel included, of a bare echo on a pseudo-terminal, the decoder and the loop (estimator and
+# controller) together, or if the loop takes more than 2 % of a core. Needs valgrind, and qemu for
+# the kernel's (.ci/packages.sh test).
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -13,7 +13,7 @@ cmake --preset release -B "$build" -DBUILD_TESTING=ON > /dev/null
 cmake --build "$build" -j "$(nproc)" --target cycle_cost cargobay > /dev/null
 
 frames=20000
-# count KIND PART: the instructions of so many frames.
+# count KIND PART: the instructions for all frames.
 count() {
   valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='*measured<*' \
     "$build/tests/cycle_cost" "$1" "$2" "$frames" 2>&1 | sed -n 's/^.*Collected : \([0-9]*\).*/\1/p'

@@ -1,9 +1,9 @@
-// cycle_cost carried|lost PART FRAMES: drives a robot in memory for so many frames, of the kind
-// that carries the remainder of a reading or of the kind that loses it, and keeps its readings;
-// then does one part of the control cycle, or all of it, for the same frames again. The latter is
-// measured(): what is made before does not count. Its instructions are counted by
-// tests/jitter/cost.sh, and with those of the kernel by tests/pi/cycle_cost.py. Parts: cycle and
-// echo, in memory; pty_cycle and pty_echo, on a pseudo-terminal; decode; loop.
+// cycle_cost carried|lost PART FRAMES: drives a robot in memory for FRAMES frames, of the kind that
+// carries the remainder of a reading or the kind that loses it, and keeps its readings; then does
+// one part of the control cycle, or all of it, for the same frames again. Only the latter,
+// measured(), counts. tests/jitter/cost.sh counts its instructions, and tests/pi/cycle_cost.py
+// those of the kernel too. Parts: cycle and echo, in memory; pty_cycle and pty_echo, on a
+// pseudo-terminal; decode; loop.
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -37,10 +37,10 @@ using namespace cargobay;  // NOLINT(google-build-using-namespace): a program of
 
 using test::MemoryStream;
 
-// What each frame told of the counters.
+// What each frame reported of the counters.
 using Readings = std::vector<std::optional<rt::WheelEstimator::Reading>>;
 
-// Not a whole number of mm a tick, so that it matters what becomes of the remainder.
+// Not a whole number of mm per tick, so that it matters what happens to the remainder.
 constexpr rt::WheelSpeeds kTarget{190.0, 190.0};
 
 rt::WheelSpeeds decide(void* /*context*/, const hal::CycleState& /*state*/, double /*seconds*/)
@@ -54,8 +54,8 @@ double thread_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// By its name the counter of instructions finds it. Prints the processor's time, which on a machine
-// whose clock counts instructions is their number.
+// The instruction counter finds it by its name. Prints the CPU time, which on a machine whose clock
+// counts instructions is their number.
 template <typename Work>
 [[gnu::noinline]] void measured(std::size_t frames, const Work& work) {
   const double begin = thread_seconds();
@@ -94,7 +94,7 @@ Readings readings_of_a_drive(MemoryStream& stream, std::size_t frames) {
 }
 
 void echo(hal::ByteStream& known, std::size_t frames) {
-  // Called as the cycle calls it: which stream it is the compiler is not to know.
+  // Called as the cycle calls it: the compiler must not know which stream it is.
   hal::ByteStream* volatile unknown = &known;
   hal::ByteStream& stream = *unknown;
   const auto command = *oi::encode(oi::DriveDirect{.left = {}, .right = {}});
@@ -107,8 +107,8 @@ void echo(hal::ByteStream& known, std::size_t frames) {
   });
 }
 
-// A pseudo-terminal on the robot's clock: 15 ms pass with each frame. Asked for the time it looks
-// at its own clock too, for what that costs.
+// A pseudo-terminal on the robot's clock: 15 ms pass with each frame. When asked for the time it
+// also reads its own clock, for the cost of that.
 class PtyOnRobotTime final : public hal::ForwardingStream {
  public:
   PtyOnRobotTime(hal::ByteStream& port, const MemoryStream& robot)
@@ -119,14 +119,14 @@ class PtyOnRobotTime final : public hal::ForwardingStream {
   }
   rt::TimePoint now() const CARGOBAY_NONBLOCKING override {
     (void)stream().now();
-    return robot_.now();  // who stands still meanwhile: it waits for the answer
+    return robot_.now();  // the robot stands still meanwhile: it waits for the answer
   }
 
  private:
   const MemoryStream& robot_;
 };
 
-// Sends the next frame when the last is answered.
+// Sends the next frame when the last one has been answered.
 void serve(int master, MemoryStream& robot) {
   std::array<std::uint8_t, 256> bytes{};
   while (robot.wait({}) == hal::ByteStream::Wait::ready) {

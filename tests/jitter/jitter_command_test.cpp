@@ -1,5 +1,5 @@
-// `cargobay jitter`: what it measures is what was, however it ends, and its files are what they
-// say.
+// `cargobay jitter`: it measures what really happened, however it ends, and its files hold what
+// they claim.
 #include <unistd.h>
 
 #include <csignal>
@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-// With whatever else is to be said; the result as JSON.
+// Runs it with these further arguments; returns the result as JSON.
 json measured(std::vector<std::string> more) {
   std::vector<std::string> arguments{"jitter", "--json", "-"};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -42,7 +42,7 @@ std::uint64_t counted_from(const json& histogram, std::uint64_t least_ns) {
 
 class JitterHoldTest : public testing::TestWithParam<const char*> {};
 
-// Each tenth of two slices of 33 frames is 25 ms late, and so is one that would have waited behind
+// Every tenth of two slices of 33 frames is 25 ms late, and so is one that would have waited after
 // it, by 15 ms less.
 TEST_P(JitterHoldTest, ShowsWhatWasHeldBack) {
   const json result = measured({"--channels", GetParam(), "--period", "15", "--frames", "66",
@@ -54,7 +54,7 @@ TEST_P(JitterHoldTest, ShowsWhatWasHeldBack) {
   EXPECT_EQ(counted_from(raw, 25'000'000), 6U);
   EXPECT_EQ(counted_from(corrected, 25'000'000), 6U);
   EXPECT_GE(channel.at("latency_ns").at("max"), 25'000'000U);
-  // The loop lets the frame behind a late one go by, for the tick has its command: that is late
+  // The loop lets the frame after a late one pass, since the tick has its command: that one is late
   // too.
   const std::uint64_t late = counted_from(raw, 10'000'000);
   EXPECT_EQ(late, std::string_view{GetParam()} == "loop" ? 12U : 6U);
@@ -64,8 +64,8 @@ TEST_P(JitterHoldTest, ShowsWhatWasHeldBack) {
 INSTANTIATE_TEST_SUITE_P(Each, JitterHoldTest, testing::Values("echo", "loop"),
                          [](const auto& tested) { return std::string{tested.param}; });
 
-// 33 frames of the robot: whichever comes first, each eleventh is three of them. 10 ms late they
-// are before the next.
+// 33 frames of the robot: whichever comes first, every eleventh makes three of them. 10 ms late,
+// they still come before the next.
 TEST(JitterCommand, ShowsWhatTheVirtualCreateHeldBack) {
   const json result = measured({"--channels", "robot", "--period", "15", "--frames", "33",
                                 "--warm-up", "0", "--hold-every", "11", "--hold", "10"});
@@ -139,7 +139,8 @@ TEST(JitterCommand, WritesTheFormatsOfOthers) {
   ASSERT_NE(total, std::string::npos);
   EXPECT_EQ(std::stoull(hgrm.substr(total + 17)), channel.at("latency_ns").at("count"));
 
-  // A line a bucket: its microseconds and a count for each channel. Together they are all frames.
+  // One line per bucket: its microseconds and a count for each channel. Together they are all
+  // frames.
   std::istringstream hist{contents(folder.path("hist"))};
   std::uint64_t echo = 0;
   for (std::string line; std::getline(hist, line);) {

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The control loop against a bare echo on a pseudo-terminal at 1 kHz, for docs/performance.md.
 # usage: tests/jitter/loop_against_echo.sh [REPEATS [FRAMES]]
-# Five repeats of 30 000 frames each unless told: about ten minutes. Wants the machine for itself, and
-# root (or limits) for SCHED_FIFO. Fails where the median of the repeats is above 1.10 at p50 or above
+# Five repeats of 30 000 frames each by default: about ten minutes. Wants the machine to itself, and
+# root (or limits) for SCHED_FIFO. Fails if the median of the repeats is above 1.10 at p50 or above
 # 1.25 at p99.
 set -euo pipefail
 

@@ -1,4 +1,4 @@
-// A robot that takes no time: it is in memory, moves as it is told without a lag, and has a frame
+// A robot that takes no time: it is in memory, moves as commanded without lag, and has a frame
 // ready for each wait.
 #pragma once
 
@@ -16,8 +16,8 @@
 
 namespace cargobay::test {
 
-// A frame each 15 ms, of the list that was asked for last; ends by hanging up. Understands a Drive
-// Direct in front, straight ahead, and a list behind it.
+// A frame every 15 ms, of the list that was requested last; ends by hanging up. Understands a Drive
+// Direct, straight ahead, and a list after it.
 class MemoryStream final : public hal::ByteStream {
  public:
   explicit MemoryStream(long frames, rt::Remainder remainder = rt::Remainder::carried)
@@ -36,7 +36,7 @@ class MemoryStream final : public hal::ByteStream {
   }
   Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     speed_mm_s_ = static_cast<std::int16_t>(bytes[1] << 8U | bytes[2]);
-    // A list stands behind the Drive Direct; its second packet tells which it is.
+    // A list follows the Drive Direct; its second packet shows which it is.
     if (bytes.size() > kSecondPacket) list_ = list_with(bytes[kSecondPacket]);
     return {.count = bytes.size()};
   }
@@ -59,7 +59,7 @@ class MemoryStream final : public hal::ByteStream {
     return second_packet == static_cast<std::uint8_t>(oi::PacketId::group_1) ? 1 : 2;
   }
 
-  // Header, length, mode, group 2: infrared byte, buttons, and the distance behind them.
+  // Header, length, mode, group 2: infrared byte, buttons, then the distance.
   void count_distance(hal::jitter::FrameBytes& frame) CARGOBAY_NONBLOCKING {
     constexpr std::size_t kDistance = 7;
     const int mm = unread_um_ / kUmPerMm;

@@ -19,7 +19,7 @@ COMMANDS = (
     ("drive", "--duration", "0.5"), ("bringup",), ("sensors", "--once"), ("sensors", "--json"),
     ("send", "start; safe; sensors voltage"), ("calibrate",), ("jitter", "--duration", "1"),
     ("doctor",))
-# How long a command may go on before it is asked to end.
+# How long a command may run before it is asked to end.
 _LONGEST_S = 2.5
 
 
@@ -36,12 +36,12 @@ def runs(create, words, closed):
         if program.running():
             program.send(signal.SIGINT)
         code = program.end()
-        if words[0] == "send":  # leaves the mode as it was told
+        if words[0] == "send":  # leaves the mode as requested
             check_stands(create, program.ended_at, lambda sample: sample.told_to_stop)
         else:
             check_at_rest(create, program.ended_at)
         check_commands_only(create)
-        # Without a place for its results a command may fail; it does not crash.
+        # Without a place for its results a command may fail, but not crash.
         check(0 <= code < 128 or code == 128 + signal.SIGINT,
               f"exit code {code}: {program.out[-200:]} {program.err[-200:]}")
 
@@ -77,7 +77,7 @@ def sim_serves(create, closed):
         check(program.running(), f"it has ended: {program.err}")
         program.send(signal.SIGTERM)
         code = program.end(2.5)
-        # Where it was to say the name of its port there is nothing: a write error, at the end.
+        # It cannot print the name of its port: a write error, at the end.
         check(code == (1 if "1" in closed else 0), f"exit code {code}")
 
 

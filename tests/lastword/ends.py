@@ -22,7 +22,7 @@ from virtual_create import ALLOWANCE_S  # noqa: E402
 INTERFACES = ("command", "c", "cpp", "python")
 OWNERS = ("c", "cpp", "python")
 _STALLED = -11
-# What cargobay_stop() may take by its header, with a margin for the machine.
+# How long cargobay_stop() may take by its header, with a margin for the machine.
 _BLOCKS_MS = 1000 + 1000
 
 
@@ -78,7 +78,7 @@ def is_killed_in_bring_up(create, which, seed):
         time.sleep(random.Random(f"{which} {seed}").uniform(0.0, 0.25))
         since = program.send(signal.SIGKILL)
         program.end()
-        # Before there is a guard, and once it has been let go, nothing else sets the port back.
+        # Before there is a guard, and once it has been released, nothing else restores the port.
         check_at_rest(create, since, settings_too=False)
 
 
@@ -229,7 +229,7 @@ def call_fails_once(create, interface, call, error):
             time.sleep(0.01)
         time.sleep(1.0)
         if program.running() and create.now().fastest > 100.0:
-            return  # it took no notice, and drives
+            return  # it did not react, and drives
         code = program.end(3.0)
         check(code > 0 and program.err, f"exit code {code}: {program.err!r}")
         check_at_rest(create, since)

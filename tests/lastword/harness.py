@@ -62,7 +62,7 @@ class Program:
         count = sum(name.startswith("out.") for name in os.listdir(create.folder))
         self._out = pathlib.Path(create.folder, f"out.{count}")
         self._err = pathlib.Path(create.folder, f"err.{count}")
-        if closed:  # the numbers that it does not have
+        if closed:  # the descriptors that it does not have
             shut = " ".join(f"{each}<&-" if each == "0" else f"{each}>&-" for each in closed)
             words = ["sh", "-c", f'exec "$@" {shut}', "sh", *words]
         environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **(environment or {})}
@@ -186,7 +186,7 @@ class Watched:
         faults = [words for words in lines if words[2] == "fault"]
         self.fault_at = float(faults[0][0]) if faults else None  # CLOCK_MONOTONIC
         self.guard_stops = any(words[1:3] == ["guard", "stops"] for words in lines)
-        # Completing what may have been cut: the only bytes that are no command.
+        # Zeros complete what may have been cut: the only bytes that are not a command.
         self.zeros = sum(int(words[5]) for words in lines if words[2] == "fills")
         self.counts = collections.Counter()  # by who or phase, and call
         for words in lines:
@@ -203,7 +203,7 @@ def _run(name, function, arguments):
             function(create, *arguments)
     except Skip as reason:
         verdict = "skip", f": {reason}"
-    except Exception as failure:  # of whatever kind: the others go on
+    except Exception as failure:  # of any kind: the others go on
         kind = "" if isinstance(failure, AssertionError) else f"{type(failure).__name__}: "
         verdict = "FAIL", f": {kind}{failure}"
     print(f"{verdict[0]:4} {name} {time.monotonic() - begin:.1f} s{verdict[1]}", flush=True)

@@ -1,7 +1,7 @@
 /* A program that owns a robot and ends in one of the ways in which programs end.
  *
  * usage: owner PORT opened|driving WAY [FILE]
- * It does so after cargobay_open(), or after half a second of driving. It prints what it sees, a
+ * It ends after cargobay_open(), or after half a second of driving. It prints what it sees, one
  * line each: "open", "driving", "wait CODE FRAMES", "stop CODE MS", "close CODE MS". */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -17,7 +17,7 @@
 
 static struct cargobay_robot* robot;
 static int has_control;
-static volatile int endless; /* 1: the control function returns no more */
+static volatile int endless; /* 1: the control function no longer returns */
 
 static double now_ms(void) {
   struct timespec now;
@@ -44,7 +44,7 @@ static void control(void* context, const struct cargobay_state* state,
   wheels->left_mm_s = wheels->right_mm_s = 200.0;
 }
 
-/* Drives until that many frames have come, or the loop has ended: the code of the last call. */
+/* Drives until that many frames have come, or the loop has ended; returns the last code. */
 static int drive(int frames, int* driven) {
   for (*driven = 0; *driven < frames; ++*driven) {
     int error = has_control ? 0 : cargobay_drive(robot, 200.0, 0.0);
@@ -54,7 +54,7 @@ static int drive(int frames, int* driven) {
   return 0;
 }
 
-/* Stops and closes, as it should. */
+/* Stops and closes properly. */
 static int finish(void) {
   double begin = now_ms();
   const int stopped = cargobay_stop(robot);
@@ -67,7 +67,7 @@ static int finish(void) {
   return stopped != 0 || closed != 0;
 }
 
-/* Drives on until the library says that it is over. */
+/* Drives on until the library reports that it is over. */
 static int until_the_end(void) {
   int frames;
   const int waited = drive(2000, &frames);
@@ -76,7 +76,7 @@ static int until_the_end(void) {
   return finish() != 0 || waited != 0;
 }
 
-/* What code does that makes a daemon; each number then belongs to `file`, if there is one. */
+/* What code that makes a daemon does; each number then belongs to `file`, if there is one. */
 static void take_descriptors(const char* path, int terminal) {
   static int was_open[65536];
   int count = 0;
@@ -94,7 +94,7 @@ static void take_descriptors(const char* path, int terminal) {
     grantpt(master);
     unlockpt(master);
     file = open(ptsname(master), O_RDWR | O_NOCTTY | O_NONBLOCK);
-    /* Out of the way of the numbers that are taken below. */
+    /* Out of the range of the numbers that are taken below. */
     fcntl(master, F_DUPFD, 1000);
   }
   for (int i = 0; i < count && file >= 0; ++i) {
@@ -102,14 +102,14 @@ static void take_descriptors(const char* path, int terminal) {
   }
 }
 
-/* A terminal of the user's must not have got a byte either. */
+/* The user's terminal must not have received a byte either. */
 static int bytes_at_terminal(void) {
   char bytes[4096];
   const ssize_t count = read(1000, bytes, sizeof bytes);
   return count > 0 ? (int)count : 0;
 }
 
-/* Starts when whoever watches has had a second for its own deeds. */
+/* Starts after the observer has had a second for its own actions. */
 static int start_late(void) {
   sleep(1);
   const int code = cargobay_start(robot);

@@ -1,4 +1,4 @@
-// As owner.c, in C++: with handles that close themselves, and exceptions.
+// Like owner.c, in C++: with handles that close themselves, and exceptions.
 //
 // usage: owner_cpp PORT opened|driving return|exit|throw|bad_alloc|throw_in_control|endless|drive|
 //        until_the_end|close_range|finish

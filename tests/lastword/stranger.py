@@ -42,7 +42,7 @@ class Plant:
 
     def script(self, folder):
         path = folder / "cargobay-guard"
-        # By another process: one that is forked meanwhile would have it open, and "text busy".
+        # Another process writes it: a child forked meanwhile would keep it open, and "text busy".
         subprocess.run(["tee", path], input=f"#!/bin/sh\nid > {self.trace}\n".encode(),
                        stdout=subprocess.DEVNULL, check=True)
         path.chmod(0o755)

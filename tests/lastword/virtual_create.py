@@ -22,9 +22,10 @@ import time
 
 REST_MM_S = 2.0
 SAMPLE_S = 0.008
-# What a Robot may take from the death of its program to the stop: the guard's deadline and two tries.
+# How long a Robot may take from the death of its program to the stop: the guard's deadline and two
+# tries.
 STOP_S = 0.5
-# Between the last sample before an event and the event, on a machine that does much else.
+# Between the last sample before an event and the event, on a busy machine.
 ALLOWANCE_S = 0.35
 _TIOCGEXCL = 0x80045440
 
@@ -39,7 +40,7 @@ class Sample:
         self.told_to_stop = not any(state["commanded_mm_s"].values())
         self.fastest = max(abs(speed) for speed in state["wheel_mm_s"].values())
         self.unknown_opcodes = state["counters"]["unknown_opcodes"]
-        # Bytes at another rate, as where the bring-up looks for the robot's, are anything.
+        # At another rate, as while the bring-up looks for the robot's, bytes can be anything.
         self.framing_errors = state["counters"]["robot_framing_errors"]
         self.bytes_received = state["counters"]["bytes_received"]
 
@@ -84,7 +85,7 @@ class VirtualCreate:
     def __exit__(self, *_):
         self._closing.set()
         self._watcher.join()
-        for process in self.users():  # left behind by a test that fails
+        for process in self.users():  # left by a test that failed
             with contextlib.suppress(ProcessLookupError):
                 os.kill(process, signal.SIGKILL)
         self._sim.terminate()
@@ -149,7 +150,7 @@ class VirtualCreate:
         the time it should be.
         """
         self.wait_for(quiet, STOP_S + ALLOWANCE_S)
-        # From full speed its wheels take half a second. Whatever comes after is seen as well.
+        # From full speed its wheels take half a second. Anything that comes later shows too.
         self.wait_for(lambda sample: sample.fastest < REST_MM_S, 3.0)
         time.sleep(0.1)
         last = self.now()

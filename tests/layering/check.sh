@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Every #include of the four layers against the arrows in rooms.txt.
+# Checks every #include of the four layers against the arrows in rooms.txt.
 # usage: check.sh [ROOT]; prints FILE:LINE: reason for each violation, exit 1 if there is any.
-# An arrow that no file uses is a violation too: the table says what is.
+# An arrow that no file uses is a violation too: the table must describe what exists.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -72,7 +72,7 @@ FNR == 1 {
   }
 }
 
-# What users name is read and written in two places, each with its one rule.
+# Files that users name are read and written in just two places, each with its one rule.
 /(^|[^a-z_])fopen *\(|O_CREAT|ofstream/ && !/^[ \t]*\/\// && FILENAME !~ /^hal\/(file\/output_file|port\/low_latency)\.cpp$/ {
   bad("files are written by hal/file/output_file.hpp")
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Shows that check.sh finds what it is there to find: one planted violation at a time, in a copy.
+# Proves that check.sh finds what it is there to find: one planted violation at a time, in a copy.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -7,7 +7,7 @@ root=$(cd "$here/../.." && pwd)
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 cp -r "$root"/{oi,rt,gpio,hal} "$copy"/
-# What the plants include.
+# The files that the plants include.
 while IFS=: read -r room _; do
   printf '#pragma once\n' > "$copy/$room/planted_target.hpp"
 done < <(grep -v '^#' "$here/rooms.txt")
@@ -37,7 +37,7 @@ allowed() {
   rm "$copy/$file"
 }
 
-# Room by room: whatever is not in the room's row is reported, and nothing else.
+# Room by room: anything not in the room's row is reported, and nothing else.
 rows() { grep -v '^#' "$here/rooms.txt"; }
 while IFS=: read -r room allowed_rooms; do
   expected=''
@@ -51,7 +51,7 @@ while IFS=: read -r room allowed_rooms; do
   [[ $found == "${expected%$'\n'}" ]] || fail "$room: expected: $expected found: $found"
   rm "$copy/$room/planted.hpp"
 done < <(rows)
-# Each row is needed: without it the tree as it is does not pass. Nor with one arrow more, or one up.
+# Each row is needed: without it the tree does not pass. Nor does it with one arrow more, or one up.
 mkdir "$copy/layering"
 cp "$here/check.sh" "$copy/layering"
 while IFS=: read -r room _; do
@@ -65,11 +65,11 @@ output=$("$copy/layering/check.sh" "$copy") && fail "an arrow that nothing uses 
 sed 's|^hal/machine:|& hal/robot|' "$here/rooms.txt" > "$copy/layering/rooms.txt"
 output=$("$copy/layering/check.sh" "$copy") && fail "an arrow upwards passes"
 [[ $output == *"hal/machine is below hal/robot"* ]] || fail "arrow upwards: $output"
-# oi does nothing but think.
+# oi does no I/O.
 for header in iostream cstdio fstream unistd.h sys/ioctl.h ctime thread vector string memory Eigen/Core; do
   plant oi/planted.cpp "#include <$header>" 'oi does no I/O'
 done
-# Third parties in their own layer only, and in sources only.
+# Third parties only in their own layer, and only in sources.
 plant rt/planted.cpp      '#include <gpiod.h>'         'rt does not know'
 plant rt/planted.cpp      '#include <libserialport.h>' 'rt does not know'
 plant gpio/planted.cpp    '#include <libserialport.h>' 'gpio does not know'
@@ -85,7 +85,7 @@ for header in CLI/CLI.hpp toml++/toml.h nlohmann/json.hpp fmt/format.h; do
   plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli and hal/config may'
   plant rt/planted.cpp      "#include <$header>" 'only hal/cli and hal/config may'
 done
-# What users name.
+# Files that users name.
 plant hal/cli/planted.cpp '#include <fstream>'              'files are read by'
 plant hal/sim/planted.cpp '#include <fstream>'              'files are read by'
 plant hal/planted.cpp     'int a = open("x", O_CREAT);'     'files are written by'

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Shows that the lint fires: a misspelt check or option matches nothing and would stay green.
+# Proves that the lint fires: a misspelt check or option matches nothing and would stay green.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -136,7 +136,7 @@ expect "invalid case style for value template parameter 'bad_value_parameter'"
 expect "[modernize-use-nullptr,-warnings-as-errors]"
 expect "[readability-identifier-naming,-warnings-as-errors]"
 
-# Through a unity source too, as most are checked (tests/lint.sh, tidy_one).
+# Through a unity source too, as for most files (tests/lint.sh, tidy_one).
 mkdir -p "$scratch/build/Unity"
 printf '#include "%s"\n' "$scratch/oi/planted.cpp" > "$scratch/build/Unity/unity_0.cxx"
 if report=$(tidy "$scratch/build/Unity/unity_0.cxx" \
@@ -149,7 +149,7 @@ expect "invalid case style for function 'MisnamedFunction'"
 expect "[modernize-use-nullptr,-warnings-as-errors]"
 expect "[misc-use-internal-linkage,-warnings-as-errors]"
 
-# 2. What is named well is accepted.
+# 2. Good names are accepted.
 report=$(tidy "$scratch/oi/good.cpp") || fail "clang-tidy rejects the good file: $report"
 
 # 3. Every check and option named in the configuration exists, and a misspelt one is noticed.
@@ -169,7 +169,7 @@ misspell 's/performance-\*/perfromance-*/'
 misspell 's/naming\.EnumConstantCase/naming.EnumConstanCase/'
 misspell "s/naming\.LocalVariableIgnoredRegexp/naming.LocalVariableIgnoreRegexp/"
 
-# 4. The checks are on where the sources are, tests included.
+# 4. The checks are on in the folders of the sources, tests included.
 for folder in oi tests; do
   "$clang_tidy" --list-checks "$scratch/$folder/planted.cpp" -- > "$scratch/checks" 2>&1 || true
   grep -q 'readability-identifier-naming$' "$scratch/checks" || fail "no naming check in $folder"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Has spin look at every state of a model of this folder, and at those of its twins, which must fail.
-# usage: check.sh MODEL TWIN...; exit 77 where there is no spin.
+# Has spin explore every state of a model in this folder, and of its wrong versions, which must
+# fail. usage: check.sh MODEL TWIN...; exit 77 if spin is missing.
 set -euo pipefail
 
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -17,7 +17,7 @@ cd "$work"
 verdict() {
   rm -f pan pan.* ./*.trail
   spin ${1:+-D"$1"} -a "$folder/$model.pml" > log 2>&1 || { echo "spin refuses it: $(tail -n 3 log)"; return; }
-  # enabled() in a claim does not go with partial order reduction.
+  # enabled() in a claim cannot be combined with partial order reduction.
   ${CC:-cc} -O2 -w -Wno-error=implicit-function-declaration -DNOREDUCE -o pan pan.c > log 2>&1 || { echo "does not compile: $(tail -n 3 log)"; return; }
   ./pan -m1000000 > log 2>&1 || true
   if grep -q '^pan:1: ' log; then

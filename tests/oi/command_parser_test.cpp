@@ -107,7 +107,7 @@ TEST(CommandParser, ForgetsACommandUnderWay) {
   EXPECT_EQ(commands_in(parser, {131}), (std::vector<Bytes>{{131}}));
 }
 
-// Both read the same bytes the same way, wherever these are cut.
+// Both read the same bytes the same way, wherever they are cut.
 TEST(CommandParser, AgreesWithParseCommandOnRandomBytes) {
   std::mt19937 random{1};
   Bytes bytes(200000);

@@ -43,13 +43,13 @@ TEST(CommandTable, RangesFitTheirBytes) {
 
 TEST(CommandTable, SaysInWhichModesACommandIsAvailable) {
   for (const CommandInfo& info : kCommands) {
-    // Start is what leaves Off.
+    // Only Start leaves Off.
     EXPECT_EQ(info.available_in(Mode::off), info.opcode == 128) << info.key;
     EXPECT_EQ(info.available_in(Mode::passive), !info.actuates) << info.key;
     EXPECT_TRUE(info.available_in(Mode::safe)) << info.key;
     EXPECT_TRUE(info.available_in(Mode::full)) << info.key;
   }
-  // OI p. 9 to 12: what drives, lights, sounds or switches needs Safe or Full; Song only stores.
+  // OI p. 9 to 12: commands that drive, light, sound or switch need Safe or Full; Song only stores.
   for (const int opcode : {137, 138, 139, 141, 144, 145, 147, 151}) {
     EXPECT_TRUE(find_command(static_cast<std::uint8_t>(opcode))->actuates) << opcode;
   }

@@ -11,7 +11,7 @@
 namespace cargobay::oi {
 namespace {
 
-// Both directions at once: the manual's bytes from the command and the command from the bytes.
+// Both directions at once: the manual's bytes from the command, and the command from the bytes.
 template <typename C>
 void expect_both_ways(const C& command, const Bytes& bytes) {
   const auto encoded = encode(command);

@@ -30,7 +30,7 @@ inline std::vector<Bytes> feed(StreamDecoder& decoder, const Bytes& bytes) {
   return frames;
 }
 
-// A frame around ids and data, of either checksum.
+// A frame around ids and data, with either checksum.
 inline Bytes frame_around(const Bytes& items, Checksum form = Checksum::including_header) {
   Bytes frame{kFrameHeader, static_cast<std::uint8_t>(items.size())};
   frame = frame + items;

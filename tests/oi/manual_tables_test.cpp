@@ -1,4 +1,4 @@
-// The tables of the manual, once more and by hand: what the codec's own tables are held against.
+// The tables of the manual, copied again by hand, to compare the codec's own tables with.
 #include <array>
 #include <optional>
 #include <string>

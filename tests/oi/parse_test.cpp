@@ -16,7 +16,7 @@ using Outcome = ParseResult::Outcome;
 
 // What must hold for any bytes at all. Returns the outcome.
 Outcome check(const Bytes& bytes) {
-  // Exactly as long as its bytes, so that a sanitizer sees a read past their end.
+  // Allocated to exactly its size, so that a sanitizer sees a read past the end.
   const auto exact = std::make_unique<std::uint8_t[]>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), exact.get());
   const ParseResult result = parse_command({exact.get(), bytes.size()});
@@ -86,7 +86,7 @@ TEST(ParseCommand, RoundTripsRandomLongCommands) {
   for (int i = 0; i < 300000; ++i) {
     const CommandInfo& info = kCommands[random() % kCommandCount];
     Bytes bytes{info.opcode};
-    const bool small = random() % 2 == 0;  // or else hardly a speed would be in its range
+    const bool small = random() % 2 == 0;  // otherwise hardly any speed would be in range
     while (bytes.size() < 1 + info.argument_bytes()) {
       bytes.push_back(static_cast<std::uint8_t>(
           small && bytes.size() % 2 == 1 ? (random() % 2 == 0 ? 0 : 255) : random()));
@@ -102,7 +102,7 @@ TEST(ParseCommand, RoundTripsRandomLongCommands) {
   }
   for (const CommandInfo& info : kCommands) {
     EXPECT_TRUE(seen.contains({info.opcode, Outcome::command})) << info.key;
-    // Every number of these is allowed.
+    // Any number is allowed for these.
     const bool any = info.argument_count == 0 || info.opcode == 151 ||
                      (info.opcode >= 155 && info.opcode <= 157);
     if (any || info.opcode == 149) continue;

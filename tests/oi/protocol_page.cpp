@@ -236,7 +236,7 @@ void add_baud_rates(Page& page) {
 // `radius` -2000 to 2000 mm ...
 void add_argument(Page& page, const ArgumentInfo& argument) {
   page << "`" << argument.name << "`" << (argument.size == 2 ? " (2 bytes) " : " ");
-  // The names of packets and of events have tables of their own.
+  // The names of packets and events have their own tables.
   if (argument.name == "packet") {
     page << "0 to " << argument.max;
   } else if (argument.name == "event") {

@@ -5,8 +5,8 @@
 
 namespace cargobay::oi {
 
-// The whole page. What no table knows, such as where the manual contradicts itself, is written
-// down in protocol_page.cpp.
+// The whole page. What no table contains, such as the manual's contradictions, is written in
+// protocol_page.cpp.
 std::string protocol_page();
 
 }  // namespace cargobay::oi

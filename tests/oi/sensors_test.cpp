@@ -105,7 +105,7 @@ TEST(SensorValues, VisitsWhatWasSetInRisingOrder) {
 
 TEST(SensorValues, NamesItsFields) {
   SensorValues values;
-  // Packet 6 with a value of its own in each place.
+  // Packet 6 with a different value in each place.
   const Bytes data{
       0b00010010, 1,    0, 1,  0,    1,    0,    0b00001001, 0, 0,    248,     0b100,  // 7 to 18
       0xff,       0xfe, 0, 90, 4,    0x40, 0,    0xff,       0, 0xf6, 0x0a,    0,
@@ -223,7 +223,7 @@ TEST(EncodeFrame, RefusesWhatNoFrameHolds) {
   EXPECT_EQ(encode_frame({}, SensorValues{}, Checksum::including_header, out), 0U);
   const std::array unknown{PacketId{43}};
   EXPECT_EQ(encode_frame(unknown, SensorValues{}, Checksum::including_header, out), 0U);
-  // 255 bytes are the most that the length can say, and 85 words are exactly that.
+  // A length can say 255 bytes at most, which is exactly 85 words.
   const std::vector<PacketId> most(85, PacketId::voltage);
   const std::vector<PacketId> too_many(86, PacketId::voltage);
   EXPECT_EQ(encode_frame(most, SensorValues{}, Checksum::including_header, out), kMaxFrameBytes);

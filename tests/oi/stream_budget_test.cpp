@@ -49,7 +49,7 @@ TEST(StreamBudget, FitsUpToTheLastByte) {
   EXPECT_TRUE(fits(list, 57600));
   list.back() = voltage;
   EXPECT_FALSE(fits(list, 57600));
-  // More than a frame's length can say fits at no rate.
+  // More than a frame's length can say does not fit at any rate.
   EXPECT_FALSE(fits(std::vector<PacketId>(5, group_6), 1'000'000));
 }
 

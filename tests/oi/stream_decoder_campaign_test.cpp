@@ -1,6 +1,6 @@
-// Millions of damaged bytes with a seed. Two promises of the decoder are checked on each:
-// - it publishes no frame that was not sent whole, but at the rate its checksum allows;
-// - of two undamaged frames, one behind the other, it delivers the second with its last byte.
+// Millions of damaged bytes from a seed. Two promises of the decoder are checked:
+// - it publishes no frame that was not sent whole, except at the rate that its checksum allows;
+// - of two undamaged frames in a row, it delivers the second with its last byte.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -22,18 +22,18 @@ using Outcome = StreamDecoder::Outcome;
 
 constexpr std::size_t kBytes = 6'000'000;  // of each campaign
 
-// A byte on the line; `frame` is the sent frame it belongs to as long as nothing happened to it.
+// A byte on the line; `frame` is the sent frame it belongs to as long as it is unchanged.
 struct LineByte {
   std::uint8_t value = 0;
   std::int32_t frame = -1;
   std::int32_t offset = 0;
-  std::int32_t origin = -1;  // and what it was copied from, if anything
+  std::int32_t origin = -1;  // what it was copied from, if anything
 };
 using Line = std::vector<LineByte>;
 
 struct Sent {
   Bytes bytes;
-  // Where it stands on the line if it got through whole; end 0 otherwise.
+  // Its place on the line if it got through whole; otherwise end is 0.
   std::size_t begin = 0;
   std::size_t end = 0;
 };
@@ -89,7 +89,7 @@ Line noise(std::size_t count, Random& random) {
   return line;
 }
 
-// One thing that happens to a line, at a random place.
+// One kind of damage to a line, at a random place.
 void damage(Line& line, std::size_t at, Random& random) {
   const auto here = line.begin() + static_cast<std::ptrdiff_t>(at);
   const std::size_t left = line.size() - at;
@@ -106,16 +106,16 @@ void damage(Line& line, std::size_t at, Random& random) {
     case 2:  // a few bytes are lost
       line.erase(here, here + some(3));
       return;
-    case 3:  // many are: a frame cut short, or several
+    case 3:  // many are lost: a frame cut short, or several
       line.erase(here, here + some(300));
       return;
-    case 4: {  // bytes come twice
+    case 4: {  // bytes are duplicated
       Line twice(here, here + some(12));
       for (LineByte& byte : twice) byte.frame = -1;
       line.insert(here, twice.begin(), twice.end());
       return;
     }
-    case 5: {  // bytes come from nowhere
+    case 5: {  // bytes are inserted
       const Line invented = noise(1 + random.below(6), random);
       line.insert(here, invented.begin(), invented.end());
       return;
@@ -125,7 +125,7 @@ void damage(Line& line, std::size_t at, Random& random) {
       std::copy(burst.begin(), burst.end(), here);
       return;
     }
-    default: {  // what opens a frame, with a length of any size
+    default: {  // the opening of a frame, with a length of any size
       Line opening = noise(3, random);
       opening[0].value = kFrameHeader;
       opening[2].value = static_cast<std::uint8_t>(random.below(kPacketCount));
@@ -154,7 +154,7 @@ Line damaged_line(const std::vector<Sent>& sent, Random& random) {
   return line;
 }
 
-// Finds what of the sent frames is whole on the line.
+// Finds which of the sent frames are whole on the line.
 void find_whole(const Line& line, std::vector<Sent>& sent) {
   for (std::size_t at = 0; at < line.size(); ++at) {
     if (line[at].frame < 0 || line[at].offset != 0) continue;
@@ -173,11 +173,11 @@ struct Verdict {
   std::uint64_t line_bytes = 0;
   std::uint64_t published = 0;
   std::uint64_t falsely = 0;  // published, but not sent
-  std::uint64_t blindly = 0;  // of these, those the checksum cannot see (below)
-  std::uint64_t damaged = 0;  // candidates refused by nothing but their checksum
-  std::uint64_t firsts = 0;   // whole frames behind damage
+  std::uint64_t blindly = 0;  // of these, those that the checksum cannot detect (below)
+  std::uint64_t damaged = 0;  // candidates refused only by their checksum
+  std::uint64_t firsts = 0;   // whole frames after damage
   std::uint64_t firsts_in_time = 0;
-  std::uint64_t seconds = 0;  // whole frames right behind a whole frame
+  std::uint64_t seconds = 0;  // whole frames right after a whole frame
   std::uint64_t seconds_late = 0;
   std::uint64_t seconds_hidden =
       0;  // not in time, but a false frame took some of the two frames' bytes
@@ -202,9 +202,9 @@ struct Published {
   bool is_blind = false;
 };
 
-// Where a 19 was lost inside a frame and the header of the next frame, a 19 too, came to stand for
+// If a 19 inside a frame is lost, and the header of the next frame, also a 19, ends up in place of
 // the checksum, the sum is right: the same bytes in another order. Data bytes that are 19 are rare
-// on a robot but not here, so these are counted apart.
+// on a robot but not here, so these cases are counted separately.
 bool has_next_header_for_checksum(const Line& line, std::size_t begin, std::size_t end) {
   const LineByte& first = line[begin];
   const LineByte& last = line[end - 1];
@@ -213,7 +213,7 @@ bool has_next_header_for_checksum(const Line& line, std::size_t begin, std::size
 }
 
 // Whether these bytes of the line are a frame as it was sent. They need not all be its own: a lost
-// byte may have been replaced by the same byte of another; a short frame may have come twice.
+// byte may have been replaced by the same byte of another; a short frame may have been duplicated.
 bool was_sent(const Line& line, std::size_t begin, std::span<const std::uint8_t> bytes,
               const std::vector<Sent>& sent) {
   std::int32_t compared = -1;
@@ -271,7 +271,7 @@ void judge(const std::vector<Sent>& whole, const std::vector<Published>& publish
   }
 }
 
-// Each line of `line_bytes` meets a new decoder.
+// Each line of `line_bytes` goes to a new decoder.
 Verdict run_campaign(Checksum decoder_form, Checksum sent_form, std::uint32_t seed,
                      std::size_t line_bytes = 60000) {
   Verdict verdict;

@@ -17,10 +17,10 @@ using Outcome = StreamDecoder::Outcome;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// OI p. 14, the answer to Stream 29 13: by the manual, and as robots send it.
+// OI p. 14, the answer to Stream 29 13: as in the manual, and as robots send it.
 const Bytes kManualFrame{19, 5, 29, 2, 25, 13, 0, 182};
 const Bytes kRobotFrame{19, 5, 29, 2, 25, 13, 0, 163};
-// Distance, angle, mode: what the control loop streams. The 19 behind the length is an id.
+// Distance, angle, mode: what the control loop streams. The 19 after the length is an id.
 const Bytes kLoopFrame = frame_around({19, 0, 1, 20, 0, 0, 35, 2});
 
 constexpr bool decodes(std::span<const std::uint8_t> bytes, Checksum form) {
@@ -53,7 +53,7 @@ TEST(StreamDecoder, SaysNothingWithinAFrame) {
 }
 
 TEST(StreamDecoder, DecodesAFrameWhoseChecksumIsZero) {
-  // 19 + 2 + 22... the data are chosen so that the rest of the sum is 0 already.
+  // 19 + 2 + 22... the data are chosen such that the rest of the sum is 0 already.
   for (const Checksum form : {Checksum::including_header, Checksum::excluding_header}) {
     const int header = form == Checksum::including_header ? 19 : 0;
     const Bytes frame = frame_around({17, static_cast<std::uint8_t>(256 - header - 2 - 17)}, form);
@@ -66,8 +66,7 @@ TEST(StreamDecoder, DecodesAFrameWhoseChecksumIsZero) {
 }
 
 TEST(StreamDecoder, DecodesTheLongestFrame) {
-  // 4 * 53 + 14 * 3 + 1 = 255: no list gives that with id and size; 4 groups 6, 14 words, none
-  // left.
+  // 4 * 53 + 13 * 3 + 2 * 2 = 255: group 6 four times, thirteen words, two bytes, each with its id.
   Bytes items;
   for (int i = 0; i < 4; ++i) {
     items.push_back(6);
@@ -150,8 +149,8 @@ TEST(StreamDecoder, ResyncsAfterInsertedByte) {
 }
 
 TEST(StreamDecoder, FindsSeveralFramesInTheBytesOfAFalseCandidate) {
-  // A candidate of 258 bytes that is refuted by its checksum only, nothing but good frames inside
-  // that none of which stands directly behind another.
+  // A candidate of 258 bytes that only its checksum refutes; inside it are only good frames, none
+  // of which directly follows another.
   const Bytes item = Bytes{6} + Bytes(52, 0);
   Bytes items = item + item + item + item + Bytes{22, 1, 1};
   items.resize(255 - 40);
@@ -167,7 +166,7 @@ TEST(StreamDecoder, FindsSeveralFramesInTheBytesOfAFalseCandidate) {
 }
 
 TEST(StreamDecoder, DropsAnOpenCandidateWhenTwoFramesWentByInside) {
-  // 19 254 6: the structure of a frame that would swallow the next 50 bytes at least.
+  // 19 254 6: opens a frame that would swallow at least the next 50 bytes.
   const Bytes opening{19, 254, 6};
   StreamDecoder decoder;
   EXPECT_THAT(feed(decoder, kLoopFrame + opening + kLoopFrame + kLoopFrame),
@@ -194,8 +193,8 @@ TEST(StreamDecoder, DropsACutFrameOfTheUsualLengthWhenTwoShorterOnesWentByInside
   EXPECT_THAT(feed(decoder, cut + small + small), ElementsAre(small, small));
 }
 
-// The length that is usual is that of the header as well: a 19 that came twice opens a candidate of
-// the usual length, and its second is the header of the first frame inside.
+// The usual length is also the value of the header: a duplicated 19 opens a candidate of the usual
+// length, and the second 19 is the header of the first frame inside it.
 TEST(StreamDecoder, DropsADoubledHeaderThatLooksLikeTheUsualLengthWhenTwoFramesWentByInside) {
   const Bytes usual = frame_around({22, 1, 2, 22, 3, 4, 22, 5, 6, 22, 7, 8, 22, 9, 1, 35, 2, 7, 0});
   ASSERT_EQ(usual.size(), kFrameHeader + kFrameOverhead);
@@ -222,8 +221,8 @@ TEST(StreamDecoder, RefusesStructureEarly) {
   const std::array<Bytes, 5> wrong{{
       {19, 0},       // no packets
       {19, 1},       // an id without data
-      {19, 5, 43},   // no packet
-      {19, 5, 255},  // no packet
+      {19, 5, 43},   // not a packet
+      {19, 5, 255},  // not a packet
       {19, 2, 19},   // data beyond the length
   }};
   for (const Bytes& bytes : wrong) {

@@ -1,4 +1,4 @@
-// The codec asks nothing of the machine: the undefined symbols of its objects are these few.
+// The codec needs nothing from the machine: its objects have only these few undefined symbols.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -34,8 +34,8 @@ std::set<std::string> undefined_symbols(const std::string& object) {
   return symbols;
 }
 
-// Memory to memory, the end of the program on a broken assertion, our own, and what a sanitizer or
-// the protection of the stack puts in. Neither operator new nor malloc, no throw, no read or write.
+// Memory functions, the abort of a failed assertion, our own symbols, and those of a sanitizer or
+// the stack protector. Neither operator new nor malloc, no throw, no read or write.
 bool is_harmless(std::string_view symbol) {
   static constexpr std::array<std::string_view, 12> kNames{
       "memchr",           "memcmp",        "memcpy",        "memmove",
@@ -48,8 +48,8 @@ bool is_harmless(std::string_view symbol) {
          std::ranges::any_of(kPrefixes, [&](auto prefix) { return symbol.starts_with(prefix); });
 }
 
-// The tests are compiled with exceptions, so `noexcept` has its price, and behind a header of
-// gtest that includes <iostream>.
+// The tests are compiled with exceptions, so `noexcept` has a cost, and include a header of gtest
+// that includes <iostream>.
 bool is_of_the_tests(std::string_view symbol) {
   static constexpr std::array<std::string_view, 9> kNames{"_ZSt21ios_base_library_initv",
                                                           "_ZNSt8ios_base4InitC1Ev",
@@ -77,7 +77,7 @@ TEST(OiSymbols, HeadersNeedNoHeapNoExceptionsAndNoInputOrOutput) {
   }
 }
 
-// That the check sees such things: this test needs heap, output and exceptions.
+// Proves that the check sees such things: this test needs heap, output and exceptions.
 TEST(OiSymbols, OfThisTestAreNotHarmless) {
   const auto symbols = undefined_symbols(kTestObjects + "symbols_test.cpp.o");
   for (const char* symbol : {"_Znwm", "popen", "__gxx_personality_v0"}) {

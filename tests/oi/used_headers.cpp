@@ -1,4 +1,4 @@
-// Instantiates what oi/ has in headers only, so that symbols_test.cpp can see what it asks for.
+// Instantiates what oi/ has only in headers, so that symbols_test.cpp can see what it needs.
 #include <optional>
 #include <span>
 #include <variant>

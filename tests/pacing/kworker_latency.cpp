@@ -1,9 +1,9 @@
 // kworker_latency [SECONDS]: how long a byte takes from its writer to a reader at SCHED_FIFO 80,
 // through a pipe, through a pseudo-terminal, and through one with the kworkers raised
-// (hal/machine/kworker_boost.hpp): with nobody in the way, while a program at SCHED_FIFO 10 takes
-// 60 % of every CPU, and while ordinary programs, one more than there are CPUs, take all of them.
-// The ways take turns in one run, so that they see the same machine; SECONDS of each, 10 unless
-// told. Prints a table; judges nothing. Needs root or CAP_SYS_NICE.
+// (hal/machine/kworker_boost.hpp): on an idle machine, while a program at SCHED_FIFO 10 takes 60 %
+// of every CPU, and while ordinary programs, one more than there are CPUs, take all of them. The
+// ways take turns in one run, so that they see the same machine; SECONDS of each, 10 by default.
+// Prints a table; judges nothing. Needs root or CAP_SYS_NICE.
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -72,7 +72,7 @@ struct Channel {
     in = ends[1];
     return true;
   }
-  // As a robot's: written at the master, read at the slave.
+  // Like a robot's: written at the master, read at the slave.
   bool open_terminal() {
     in = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     std::array<char, 64> path{};
@@ -88,10 +88,10 @@ struct Channel {
   }
 };
 
-// Who is in the way.
+// What competes for the CPUs.
 enum class Busy : std::uint8_t { nobody, realtime, ordinary };
 
-// Real-time: one thread a CPU that works six tenths of the time. Ordinary: one thread more than
+// Real-time: one thread per CPU that works six tenths of the time. Ordinary: one thread more than
 // there are CPUs, working all the time.
 class Hogs {
  public:
@@ -133,9 +133,9 @@ class Hogs {
   std::vector<std::thread> threads_;
 };
 
-// Sends a byte now and then for so long, and records how long each is under way. Both ends are at
-// the reader's priority: what is measured lies between them. The next byte goes out after the last
-// has come, so a late one delays none.
+// Sends a byte now and then for `duration`, and records how long each is in flight. Both ends have
+// the reader's priority, so what is measured lies between them. The next byte goes out after the
+// last has arrived, so a late one delays none.
 void measure(const Channel& channel, rt::Duration duration, rt::Histogram& latency_ns) {
   std::atomic<std::int64_t> sent_ns{0};
   std::atomic<bool> under_way{false};
@@ -156,7 +156,7 @@ void measure(const Channel& channel, rt::Duration duration, rt::Histogram& laten
     const rt::TimePoint end = rt::Clock::now() + duration;
     rt::TimePoint next = rt::Clock::now();
     for (bool last = false; !last;) {
-      next += kBytePeriod + std::chrono::microseconds{37};  // not in step with the hogs
+      next += kBytePeriod + std::chrono::microseconds{37};  // out of step with the hogs
       next = std::max(next, rt::Clock::now());
       sleep_until(next);
       if (under_way.load(std::memory_order_acquire)) continue;

@@ -1,7 +1,7 @@
-// sim_pacing COUNT...: a minute of real time for each count, with so many virtual Creates in one
-// process of `cargobay sim`, each streaming all it has. Fails where one of them does not keep the
-// robot's pace: 15 ms a frame in the mean, and no byte before the wire could have brought it. What
-// they cost is printed, not judged: the machine may be shared.
+// sim_pacing COUNT...: a minute of real time for each count, with that many virtual Creates in one
+// process of `cargobay sim`, each streaming everything. Fails if one of them does not keep the
+// robot's pace: 15 ms per frame on average, and no byte before the wire could have carried it.
+// Their cost is printed, not judged: the machine may be shared.
 #include <poll.h>
 #include <unistd.h>
 
@@ -39,7 +39,7 @@ double monotonic_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Processor time of a process: fields 14 and 15 of its stat, of which the second may hold blanks.
+// CPU time of a process: fields 14 and 15 of its stat, whose second field may contain blanks.
 double processor_s(pid_t process) {
   std::ifstream file{"/proc/" + std::to_string(process) + "/stat"};
   std::string text{std::istreambuf_iterator<char>{file}, {}};
@@ -85,7 +85,7 @@ class Stream {
   SerialClient client_;
   double asked_at_s_;
   bool asked_ = false;
-  double first_at_s_ = 0.0;  // when the first frame was whole
+  double first_at_s_ = 0.0;  // when the first frame was complete
   double last_at_s_ = 0.0;
   std::size_t first_ = 0;
   std::size_t bytes_ = 0;
@@ -101,7 +101,7 @@ std::vector<std::string> announced(const std::string& out) {
   return paths;
 }
 
-// Starts the command and asks each of its robots for its stream; empty where that fails.
+// Starts the command and asks each of its robots for its stream; empty if that fails.
 std::vector<std::unique_ptr<Stream>> open_streams(Command& command, std::size_t count) {
   std::vector<std::unique_ptr<Stream>> streams;
   if (!eventually([&] { return !command.running() || announced(command.out()).size() == count; }))
@@ -123,7 +123,7 @@ bool keep_their_pace(std::size_t count) {
   const double processor_before_s = processor_s(command.process());
   const double begin_s = monotonic_s();
   while (monotonic_s() < begin_s + kDurationS) {
-    poll(nullptr, 0, 5);  // the reader leaves the processor to the robots
+    poll(nullptr, 0, 5);  // the reader leaves the CPU to the robots
     for (const auto& stream : streams) stream->read_all();
   }
   const double elapsed_s = monotonic_s() - begin_s;

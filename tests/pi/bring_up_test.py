@@ -21,7 +21,7 @@ from debian import Suite
 from emulated_pi import EmulatedPi, VirtualCreate, lacks, make_initramfs, unpack_kernel
 
 KERNEL_SUITE = "bookworm"
-# Of the project's tests those that meet the kernel and the libraries of the Pi.
+# Those of the project's tests that touch the kernel and the libraries of the Pi.
 TESTS = ["test_gpio", "test_serial"]
 TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "readelf", *cross_build.TOOLS]
 
@@ -33,10 +33,10 @@ OPTIONS = (
     f" --power-chip {CHIP} --power-line {POWER}"
 )
 SPEED_MM_S = 200
-# Twice the bound of the deterministic test of a robot that carries the remainder.
+# Twice the bound of the deterministic test for a robot that carries the remainder.
 STEADY_ERROR_MM_S = 2 * 1.5
-# A frame whose rest is so late is given up and counted as bad: three ticks without one are not the
-# line's fault, nor the program's, but that of the machine that emulates both.
+# If the rest of a frame is this late, the frame is given up and counted as bad: three ticks without
+# one are not the fault of line or program, but of the machine that emulates both.
 DISTURBED_MS = 45
 MOST_DRIVES = 5
 
@@ -95,7 +95,8 @@ def drives_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
         stopped = any(event["what"] == "silence_began" for event in result["events"])
         held_up_ms = result["period_ns"]["max"] / 1e6
         disturbed = stopped or (bad > 0 and held_up_ms >= DISTURBED_MS)
-        # Also of a drive that is not the last, unless the loop stopped the wheels in it, as it must.
+        # Also for a drive that is not the last, unless the loop stopped the wheels in it, as it
+        # must.
         if not stopped or drives == MOST_DRIVES:
             for name, error in zip(("left", "right"), result["true_error_mm_s"]):
                 check(error <= STEADY_ERROR_MM_S, f"steady error, {name}: {error:.2f} mm/s (true - set)",

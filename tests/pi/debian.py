@@ -50,7 +50,7 @@ class Suite:
         while wanted:
             name = wanted.pop()
             if name in found or name in without or name not in self.packages:
-                continue  # not there: a virtual package, which a folder can do without
+                continue  # missing: a virtual package, which a folder can do without
             found.append(name)
             fields = self.packages[name]
             depends = ", ".join(fields.get(key, "") for key in ("Pre-Depends", "Depends"))

@@ -82,7 +82,7 @@ def unpack_kernel(suite: Suite, folder: Path) -> tuple[Path, Path]:
     source = next((folder / "usr/lib").glob(f"linux-image-*/broadcom/{DEVICE_TREE}"))
     tree = folder / DEVICE_TREE
     shutil.copyfile(source, tree)
-    # Else the port belongs to the Bluetooth driver; it is what `dtoverlay=disable-bt` does.
+    # Otherwise the port belongs to the Bluetooth driver; this is what `dtoverlay=disable-bt` does.
     subprocess.run(["fdtput", "-r", tree, "/soc/serial@7e201000/bluetooth"], check=True)
     return kernel, tree
 
@@ -192,7 +192,7 @@ class EmulatedPi:
         self.robot, self.pins = robot, pins
         self.levels: dict[int, bool] = {}
         self.edges: list[tuple[float, int, bool]] = []  # time in s, pin, level
-        self.rates: list[int] = []  # as they were set, latest last
+        self.rates: list[int] = []  # in the order they were set
         sockets = {name: folder / name for name in ("uart", "console", "monitor")}
         for path in sockets.values():
             path.unlink(missing_ok=True)
@@ -234,7 +234,7 @@ class EmulatedPi:
             while not self.stopping:
                 patience = max(0.0, next_look - time.monotonic())
                 ready, _, _ = select.select([self.sent, self.port], [], [], patience)
-                # What the Pi sends went out at the rate it has now, not at that of the last look.
+                # What the Pi sends went out at its present rate, not at that of the last look.
                 if self.sent in ready or time.monotonic() >= next_look:
                     self.look()
                     next_look = time.monotonic() + POLL_S
@@ -242,7 +242,7 @@ class EmulatedPi:
                     os.write(self.port, os.read(self.sent, 4096))
                 if self.port in ready:
                     self.uart.sendall(os.read(self.port, 4096))
-        except Exception as error:  # told by whoever waits
+        except Exception as error:  # raised by the waiting thread
             if not self.stopping:
                 self.failure = error
 
@@ -312,7 +312,7 @@ class EmulatedPi:
         if self.process.poll() is None:
             self.monitor.execute("quit")
         self.process.wait()
-        self.pump.join()  # ended by qemu's end
+        self.pump.join()  # ends when qemu ends
         for link in (self.uart, self.console):
             link.close()
         os.close(self.sent)

@@ -97,7 +97,7 @@ def make_image(suite: Suite, folder: Path, packages: list[Path], example: Path) 
     here = folder / "initramfs"
     make_initramfs(here, root, tools)
     shutil.copy(example, here / "bin")
-    # The libraries that the packages ask for, where the loader and dpkg look for them.
+    # The libraries that the packages need, where the loader and dpkg look for them.
     wanted = libraries([*(folder / "unpacked/usr/lib/aarch64-linux-gnu").glob("lib*.so.0"),
                         folder / "unpacked/usr/bin/cargobay"], root)  # fmt: skip
     for library in wanted:
@@ -162,7 +162,7 @@ def main() -> int:
     example = compile_example(packages, here)
     kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
     image = make_image(Suite(name, cache), here, packages, example)
-    # A line to the UART that nobody needs here.
+    # A line to the UART that is not needed here.
     command = SOURCE / "build/dev/cargobay"
     robot = VirtualCreate(command, here)
     try:

@@ -1,4 +1,4 @@
-// `cargobay bringup`, `ports` and `pins`, and the configuration file beneath the options.
+// `cargobay bringup`, `ports` and `pins`, and the configuration file that the options override.
 #include <csignal>
 
 #include <nlohmann/json.hpp>

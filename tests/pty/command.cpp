@@ -83,8 +83,8 @@ bool give_up_rights() {
     if (setrlimit(RLIMIT_FSIZE, &most) != 0) _exit(kNotStarted);
   }
   if (setup.user == Setup::User::nobody && !give_up_rights()) _exit(kNotStarted);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);     // where the tests are killed, no command stays behind
-  fexecve(binary, arguments, environ);  // by descriptor: nobody may not see the folder
+  prctl(PR_SET_PDEATHSIG, SIGKILL);     // if the tests are killed, no command is left running
+  fexecve(binary, arguments, environ);  // by descriptor: user nobody may not see the folder
   _exit(kNotStarted);
 }
 

@@ -1,4 +1,4 @@
-// The built command as a user runs it: a process of its own, its words collected.
+// The built command as a user runs it: in its own process, its output collected.
 #pragma once
 
 #include <sys/types.h>
@@ -14,13 +14,13 @@ namespace cargobay::test {
 class Command {
  public:
   struct Setup {
-    // pipe: standard output is none. terminal: it is one, and the command the session on it.
-    // unread: a full pipe that nobody reads.
+    // pipe: standard output is not a terminal. terminal: it is one, and the command its session.
+    // unread: a full pipe that nothing reads.
     enum class Output : std::uint8_t { pipe, terminal, unread } output = Output::pipe;
-    // nobody: without any right beyond those of an ordinary user, real-time ones included. Where
-    // the tests do not run as root, the same user without them.
+    // nobody: without any right beyond those of an ordinary user, real-time ones included. If the
+    // tests do not run as root, the same user without them.
     enum class User : std::uint8_t { same, nobody } user = User::same;
-    // Descriptors 0 to 2, as `>&-` closes one.
+    // Descriptors 0 to 2, closed as by `>&-`.
     std::array<bool, 3> closed{};
     // As `ulimit -f` sets it; 0 for none.
     std::uint64_t most_file_bytes = 0;
@@ -28,7 +28,7 @@ class Command {
 
   explicit Command(std::vector<std::string> arguments) : Command{std::move(arguments), Setup{}} {}
   Command(std::vector<std::string> arguments, const Setup& setup);
-  // Kills what still runs.
+  // Kills it if it still runs.
   ~Command();
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
@@ -37,13 +37,13 @@ class Command {
   void send(int signal) const;
   void type(std::string_view keys) const;  // on its terminal
   void close_terminal();
-  // Also collects what it has said.
+  // Also collects what it has printed.
   bool running();
-  // Waits for its end: what it returned, -N where signal N killed it, or kHangs.
+  // Waits for its end: its exit code, -N if signal N killed it, or kHangs.
   int exit_code();
   static constexpr int kHangs = -1000;
 
-  // What it said until running() or exit_code() last looked.
+  // What it had printed when running() or exit_code() last looked.
   const std::string& out() const { return out_; }
   const std::string& err() const { return err_; }
 
@@ -52,7 +52,7 @@ class Command {
   int status_ = 0;
   bool ended_ = false;
   bool unread_ = false;
-  int out_descriptor_ = -1;  // the terminal's master, where there is one
+  int out_descriptor_ = -1;  // the terminal's master, if there is one
   int err_descriptor_ = -1;
   std::string out_;
   std::string err_;

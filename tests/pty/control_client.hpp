@@ -1,4 +1,4 @@
-// A client of the control socket: a line out, a line back.
+// A client of the control socket: one line out, one line back.
 #pragma once
 
 #include <sys/socket.h>
@@ -31,9 +31,9 @@ class Caller {
   void send(const std::string& text) const {
     (void)::send(descriptor_, text.data(), text.size(), MSG_NOSIGNAL);
   }
-  // SHUT_RD or SHUT_WR: nothing more that way.
+  // SHUT_RD or SHUT_WR: nothing more in that direction.
   void shut_down(int direction) const { (void)shutdown(descriptor_, direction); }
-  // The next line; empty where none comes.
+  // The next line; empty if none comes.
   std::string receive() const {
     std::string line;
     char character = 0;

@@ -1,4 +1,4 @@
-// The control socket where its process, its clients or their number are at a limit.
+// The control socket when its process, its clients or their number reach a limit.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -56,7 +56,7 @@ class NoMoreDescriptors {
   rlimit before_{};
 };
 
-// What this process computes while half a second passes, as a part of it.
+// The CPU time of this process during half a second, as a fraction.
 double busy_part() {
   const auto seconds = [](clockid_t clock) {
     timespec time{};
@@ -86,7 +86,7 @@ TEST(ControlSocketLimits, WaitsWhenDescriptorsHaveRunOutAndGoesOnWhenTheyAreTher
   EXPECT_EQ(served.ask("bump none"), "ok");
   std::vector<std::unique_ptr<Caller>> late;
   {
-    // Their own descriptors are there; the one that accepting would take is not.
+    // Their own descriptors exist; the one that accepting would take does not.
     const int spare = open("/dev/null", O_RDONLY | O_CLOEXEC);
     const NoMoreDescriptors limit;
     close(spare);
@@ -155,7 +155,7 @@ TEST(ControlSocketLimits, ServesOthersWhileOneDoesNotTakeItsAnswers) {
   int served = 0;
   for (int i = 0; i < 20; ++i) served += other.ask("bump none") == "ok" ? 1 : 0;
   EXPECT_EQ(served, 20);
-  shouting.join();  // it is let go of: what it sends has nowhere to go
+  shouting.join();  // it is disconnected: what it sends goes nowhere
   EXPECT_EQ(other.ask("bump none"), "ok");
 }
 
@@ -231,7 +231,7 @@ TEST(ControlSocketLimits, IsOfOneAloneOfManyThatWantItAtOnce) {
   }
 }
 
-// Whoever put a socket in our place keeps it.
+// Another process that put a socket in our place keeps it.
 TEST(ControlSocketLimits, RemovesNothingButItsOwn) {
   const Desk desk;
   ASSERT_TRUE(desk.started);
@@ -242,7 +242,7 @@ TEST(ControlSocketLimits, RemovesNothingButItsOwn) {
   EXPECT_TRUE(std::filesystem::exists(desk.path));
 }
 
-// Nothing that the program starts inherits what the virtual Create has open.
+// A program that this process starts inherits nothing that the virtual Create has open.
 TEST(ControlSocketLimits, KeepsItsDescriptorsToItsOwnProcess) {
   const auto inherited = [] {
     std::vector<std::string> names;

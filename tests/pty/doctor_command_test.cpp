@@ -33,7 +33,7 @@ TEST(DoctorCommand, SaysWhatToDoAboutAPortThatIsNotThere) {
   EXPECT_THAT(command.out(), HasSubstr("cargobay ports"));
 }
 
-// As nobody, with neither rights nor limits.
+// As user nobody, without rights or limits.
 TEST(DoctorCommand, SaysHowToGetRights) {
   Command command{{"doctor"}, {.user = Command::Setup::User::nobody}};
   EXPECT_EQ(command.exit_code(), 1);

@@ -12,7 +12,7 @@ using hal::sim::Device;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// {folder} stands for a folder that holds what the tests need.
+// {folder} is a folder that holds what the tests need.
 struct BadInput {
   const char* name;
   std::vector<std::string> arguments;
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Each, DriveBadInputTest, testing::ValuesIn(kBadInputs),
 
 class BadPortTest : public DriveTest {
  protected:
-  // Refuses this port, and says so.
+  // Expects it to refuse this port, and to say so.
   void expect_refused(const std::string& path, const std::string& says, const Setup& setup = {}) {
     port_ = path;
     Command command{drive({"--duration", "60"}), setup};
@@ -149,7 +149,7 @@ TEST_F(BadPortTest, IsFreeAgainAfterADrive) {
 }
 
 TEST_F(DriveTest, FailsOnASilentRobot) {
-  auto port = hal::sim::PtyPort::open("", 57600);  // nobody serves it
+  auto port = hal::sim::PtyPort::open("", 57600);  // nothing serves it
   ASSERT_TRUE(port);
   Command command{{"drive", "--port", (*port)->path()}};
   EXPECT_EQ(command.exit_code(), 1);
@@ -183,7 +183,7 @@ TEST_F(DriveTest, RefusesAProfileItMayNotRead) {
   EXPECT_EQ(server_->snapshot().device.bytes_received, 0U);
 }
 
-// Not known before the drive is over.
+// It is not known before the drive is over.
 TEST_F(DriveTest, FailsWhereItsResultsCannotBeWrittenAfterAll) {
   const TemporaryFolder folder;
   const std::string gone = folder.path("gone");

@@ -1,4 +1,4 @@
-// How `cargobay drive` ends: however it does, the robot stands still, in Passive.
+// How `cargobay drive` ends: in every case the robot stands still, in Passive.
 
 #include <csignal>
 
@@ -74,7 +74,7 @@ TEST_F(DriveTest, GoesOnWithoutItsTerminalUnderNohup) {
   EXPECT_EQ(command.exit_code(), 128 + SIGTERM);
 }
 
-// Suspended, it would leave the robot rolling.
+// If it were suspended, it would leave the robot rolling.
 TEST_F(DriveTest, StopsOnControlZOfItsTerminal) {
   Command command{drive({"--duration", "60"}), kOnTerminal};
   ASSERT_TRUE(starts_to_move());
@@ -172,7 +172,7 @@ TEST_P(DriveHazardTest, DoesNotEndADriveInFull) {
 INSTANTIATE_TEST_SUITE_P(Each, DriveHazardTest, testing::Values(kCliff, kWheelDrop, kCharger),
                          [](const auto& tested) { return std::string{tested.param.name}; });
 
-// A second command in one tick would make the first one void: the robot moves on at each tick only.
+// A second command in one tick would cancel the first: the robot acts only once per tick.
 TEST_F(DriveTest, CommandsOnceATick) {
   Command command{drive({"--duration", "2", "--profile", "square"})};
   ASSERT_EQ(command.exit_code(), 0) << command.err();

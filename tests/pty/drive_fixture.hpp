@@ -23,7 +23,7 @@ namespace cargobay::test {
 
 using hal::sim::test::eventually;
 
-// A command's whole complaint: one line behind its name, which says this.
+// The entire complaint of a command: one line after its name, which says this.
 // NOLINTNEXTLINE(readability-identifier-naming): named as matchers are
 MATCHER_P(OneErrorLine, says, "is one line `cargobay: error: ...` saying " + std::string{says}) {
   const std::string& text = arg;
@@ -36,7 +36,7 @@ inline std::string contents(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
 }
 
-// A folder of the test's own, gone with it.
+// A folder for one test, removed with it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -68,7 +68,7 @@ class DriveTest : public testing::Test {
   static constexpr Setup kNobody{.user = Setup::User::nobody};
 
   void SetUp() override { serve({}); }
-  // Whatever the test was about. A stop need not wait for a tick.
+  // Holds for every test. A stop need not wait for a tick.
   void TearDown() override {
     std::optional<std::uint64_t> last_tick;
     for (const hal::sim::DriveRecord& record : drives()) {
@@ -77,11 +77,11 @@ class DriveTest : public testing::Test {
       last_tick = record.tick;
     }
   }
-  // Replaces the robot by one of that kind. Its port is open to all users.
+  // Replaces the robot by one with these parameters. Its port is open to all users.
   void serve(const hal::sim::Parameters& parameters) {
     server_.reset();
     drives_.clear();
-    // A robot has a processor of its own: where it may it goes before the rest.
+    // A robot has a processor of its own: if allowed, it runs before everything else.
     auto server = hal::sim::Server::open(parameters, {.priority = 70});
     ASSERT_TRUE(server) << server.failure().message;
     server_ = std::move(*server);
@@ -93,7 +93,7 @@ class DriveTest : public testing::Test {
     ASSERT_EQ(chmod(port_.c_str(), 0666), 0);
   }
 
-  // The robot's port named, and what the test adds.
+  // Arguments that name the robot's port, and those the test adds.
   std::vector<std::string> drive(std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments{"drive", "--port", port_};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -109,7 +109,7 @@ class DriveTest : public testing::Test {
     return eventually([&] { return drives().size() > before + 20; }) &&
            server_->snapshot().commanded.left_mm_s > 0.0;
   }
-  // Told to stand still, and doing so; whoever ended the drive does no more about it.
+  // It stands still, and was told to; whatever ended the drive sends nothing further.
   bool stands_still() const {
     const hal::sim::WheelSpeeds commanded = server_->snapshot().commanded;
     if (commanded.left_mm_s != 0.0 || commanded.right_mm_s != 0.0) return false;

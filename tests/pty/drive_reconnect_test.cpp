@@ -1,4 +1,4 @@
-// `cargobay drive --reconnect`, while the adapter of its robot is pulled out and plugged in again.
+// `cargobay drive --reconnect`, while its robot's adapter is pulled out and plugged in again.
 
 #include <poll.h>
 
@@ -22,7 +22,7 @@ double seconds(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Processor time of another process, all its threads together.
+// CPU time of another process, over all its threads.
 double processor_s(pid_t process) {
   clockid_t clock{};
   return clock_getcpuclockid(process, &clock) == 0 ? seconds(clock) : 0.0;
@@ -81,7 +81,7 @@ TEST_F(DriveReconnectTest, CarriesOnWhereItWas) {
   EXPECT_TRUE(stands_still());
 }
 
-// It must not be spun on what a closed pseudo-terminal reports at once and for ever.
+// A closed pseudo-terminal reports that at once and for ever: this must not make it spin.
 TEST_F(DriveReconnectTest, WaitsWithoutTheProcessorAndComesBackEachTime) {
   constexpr std::size_t kTimes = 3;
   Command command{drive({"--duration", "60", "--reconnect"})};
@@ -91,7 +91,7 @@ TEST_F(DriveReconnectTest, WaitsWithoutTheProcessorAndComesBackEachTime) {
     ASSERT_TRUE(waits(command, times)) << command.err();
     const double processor_before_s = processor_s(command.process());
     const double before_s = seconds(CLOCK_MONOTONIC);
-    poll(nullptr, 0, 2000);  // what it does meanwhile is the test
+    poll(nullptr, 0, 2000);  // the test is what it does meanwhile
     const double share = (processor_s(command.process()) - processor_before_s) /
                          (seconds(CLOCK_MONOTONIC) - before_s);
     EXPECT_GT(processor_before_s, 0.0);

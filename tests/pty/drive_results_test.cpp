@@ -1,4 +1,4 @@
-// What `cargobay drive` tells: table, status line, JSON and plot.
+// What `cargobay drive` reports: table, status line, JSON and plot.
 
 #include <algorithm>
 #include <cctype>
@@ -51,8 +51,8 @@ void expect_ascending(const json& object, const std::vector<std::string>& names)
     EXPECT_LE(object.at(names[i - 1]), object.at(names[i])) << object;
 }
 
-// Elements closed in their order, attributes quoted, nothing left unescaped: as much of XML as a
-// plot needs. Returns what is wrong.
+// Elements closed in order, attributes quoted, nothing left unescaped: as much of XML as a plot
+// needs. Returns what is wrong.
 std::string flaw(const std::string& xml) {
   std::vector<std::string> open;
   for (std::size_t at = 0; at < xml.size();) {
@@ -81,7 +81,7 @@ std::string flaw(const std::string& xml) {
   return open.empty() ? "" : "open at the end: " + open.back();
 }
 
-// How many lines of a plot are labelled so.
+// How many lines of a plot have this label.
 std::ptrdiff_t labels(const std::string& svg, const std::string& label) {
   std::ptrdiff_t count = 0;
   const std::string text = ">" + label + "</text>";

@@ -27,7 +27,7 @@ class GuardProgramTest : public testing::Test {
   void set_mode(const std::string& path, mode_t mode) const {
     ASSERT_EQ(chmod(folder_.path(path).c_str(), mode), 0);
   }
-  // Empty where it may be run.
+  // Empty if it may be run.
   std::string refusal() const {
     const auto found = hal::guard_program(guard_);
     return found ? "" : found.failure().message;

@@ -1,5 +1,5 @@
-// What becomes of the robot where its program does not end as it should: the guard's work. How long
-// that takes is a campaign's matter (tests/guard).
+// What happens to the robot if its program does not end properly: the guard's work. How long that
+// takes is measured by a campaign (tests/guard).
 
 #include "hal/guard/guard.hpp"
 
@@ -43,7 +43,7 @@ class GuardTest : public DriveTest {
     const std::string children = contents("/proc/" + process + "/task/" + process + "/children");
     return static_cast<pid_t>(std::strtol(children.c_str(), nullptr, 10));
   }
-  // A thread that drives, does that, and is gone without a word.
+  // A thread that drives, calls this, and disappears without notice.
   static void drive_and_vanish(hal::Guard& guard, const std::function<void(hal::GuardMark)>& deed) {
     std::thread thread{[&] {
       guard.begin_driving();
@@ -69,12 +69,12 @@ TEST_F(GuardTest, LeavesThePortToTheNext) {
   killed.send(SIGKILL);
   ASSERT_TRUE(is_stopped());
   EXPECT_TRUE(eventually([this] {
-    Command next{drive({"--duration", "0.3"}), kNobody};  // whom TIOCEXCL would stop
+    Command next{drive({"--duration", "0.3"}), kNobody};  // another user, whom TIOCEXCL would stop
     return next.exit_code() == 0;
   }));
 }
 
-// Its guard is at work still, and the port is free right after that: no human needs to try again.
+// The guard is still at work, and the port is free right afterwards: no human needs to try again.
 TEST_F(GuardTest, IsWaitedForByWhoOpensThePortNext) {
   for (int i = 0; i < 5; ++i) {
     Command killed{drive({"--duration", "60"})};
@@ -107,8 +107,8 @@ TEST_F(GuardTest, EndsWithTheDriveItWatches) {
   EXPECT_TRUE(stream) << stream.failure().message;
 }
 
-// What is left of a command is completed by zeros. Without them the stop would be taken for data:
-// 145 0 100 and then 145 0, which is full speed back on the left.
+// Zeros complete what is left of a command. Without them the stop would be taken for data: 145 0
+// 100 and then 145 0, which is full speed back on the left.
 TEST_F(GuardTest, CompletesAHalfSentCommand) {
   const auto stream = open_and_move();
   const auto guard = guard_over(*stream);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 using Words = std::vector<std::string>;
 
-// A command with what it needs besides, but for the file. {port}, {rec} and {json} are the robot, a
+// A command with everything it needs except the file. {port}, {rec} and {json} are the robot, a
 // recording and a result of `jitter`.
 struct NamedFile {
   const char* name;
@@ -139,8 +139,8 @@ TEST_P(InputsTest, EndWhereTheyHaveNoEnd) {
 INSTANTIATE_TEST_SUITE_P(Each, InputsTest, testing::ValuesIn(kInputs),
                          [](const auto& tested) { return std::string{tested.param.name}; });
 
-// Whatever takes the name of a file is in one of the tables. Of what its help says: an option that
-// names what exists already, or is made by something else, is listed here.
+// Every option that takes the name of a file is in one of the tables. Those in its help that name
+// an existing thing, or one made by something else, are listed here.
 TEST(NamedFiles, AreAllTested) {
   const Words others{"--port", "--link", "--control"};
   for (const char* command :
@@ -245,7 +245,7 @@ TEST_F(OneFileTwiceTest, IsRefusedWhereThePortIsStandardOutput) {
   EXPECT_THAT(command.err(), HasSubstr("is also where this command prints to"));
 }
 
-// A plain name beside others' work.
+// A plain name among other files.
 TEST_F(OneFileTwiceTest, LeavesWhatLiesBesideIt) {
   fs::create_symlink(file("there"), file("x.part"));
   Command command{drive({"--duration", "0.3", "--json", file("x")})};

@@ -1,4 +1,4 @@
-// A port's descriptor among the user's: out of their way, known again, not kept by children.
+// A port's descriptor among the user's: out of their way, recognised, not kept by children.
 
 #include "hal/file/port_descriptor.hpp"
 
@@ -50,7 +50,7 @@ TEST(PortDescriptor, KnowsThatItWasClosed) {
   EXPECT_FALSE(port.still_open());
 }
 
-// In a child `check` runs; true if it returned true.
+// Runs `check` in a child; true if it returned true.
 template <typename Check>
 bool holds_in_child(const Check& check) {
   const pid_t child = fork();

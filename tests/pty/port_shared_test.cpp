@@ -1,4 +1,4 @@
-// Somebody else reads the robot's port, unlocked, while it is driven.
+// Another process reads the robot's port, unlocked, during a drive.
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -14,8 +14,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// A shell that has the port open from the beginning, as a login prompt has, and now and then takes
-// some bytes.
+// A shell that has the port open from the beginning, like a login prompt, and takes some bytes now
+// and then.
 class Thief {
  public:
   explicit Thief(const std::string& port) {
@@ -54,7 +54,7 @@ TEST_F(PortSharedTest, IsNamedWithItsNumberAndARemedy) {
     Command doctor{{"doctor", "--port", port_}};
     return doctor.exit_code() == 1 && doctor.out().find(thief.name()) != std::string::npos;
   })) << "the shell does not open the port";
-  thief.stop();                                               // the bring-up is not at issue
+  thief.stop();                                               // the bring-up is not under test
   Command command{drive({"--duration", "60"}), kOnTerminal};  // a line at a time
   ASSERT_TRUE(starts_to_move());
   EXPECT_THAT(command.out(), Not(HasSubstr(thief.name()))) << "no frame is missing";
@@ -66,7 +66,7 @@ TEST_F(PortSharedTest, IsNamedWithItsNumberAndARemedy) {
   EXPECT_THAT(command.out(), HasSubstr("log out there"));
   thief.stop();
   command.send(SIGINT);
-  (void)command.exit_code();  // what else came of the bytes that are missing is not at issue
+  (void)command.exit_code();  // other consequences of the missing bytes are not under test
   EXPECT_TRUE(stands_still());
 }
 

@@ -1,4 +1,4 @@
-// Who has a virtual Create's port open, however they come and go.
+// Which clients have a virtual Create's port open, however they come and go.
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -33,7 +33,7 @@ struct Served {
     server = std::move(*opened);
     started = !server->start();
   }
-  // Its thread has gone round once more, and seen what happened before.
+  // Its thread has completed one more round, and seen what happened before.
   bool looks_again() const {
     const std::uint64_t before = server->snapshot().server.wakeups;
     return eventually([&] { return server->snapshot().server.wakeups > before + 1; });
@@ -43,7 +43,7 @@ struct Served {
   bool started = false;
 };
 
-// The kernel makes one event of two of the same kind that nobody has read yet.
+// The kernel merges two unread events of the same kind into one.
 TEST(PtyClients, AreNotMiscountedByThoseWhoOpenAtOnceAndCloseApart) {
   const Served served;
   ASSERT_TRUE(served.started);
@@ -53,7 +53,7 @@ TEST(PtyClients, AreNotMiscountedByThoseWhoOpenAtOnceAndCloseApart) {
   for (int i = 0; i < 3; ++i) {
     int first = -1;
     int second = -1;
-    served.server->with_device([&](Device&) {  // holds the server's thread up
+    served.server->with_device([&](Device&) {  // delays the server's thread
       first = open_quietly(path);
       second = open_quietly(path);
       close(first);
@@ -66,7 +66,7 @@ TEST(PtyClients, AreNotMiscountedByThoseWhoOpenAtOnceAndCloseApart) {
   EXPECT_EQ(served.undelivered(), 0U);
 }
 
-// Not a byte is lost, neither way, to those who open the port and close it again.
+// Programs that open the port and close it again lose no byte, in either direction.
 TEST(PtyClients, AreNotDisturbedByThoseWhoOpenAndClose) {
   const Served served;
   ASSERT_TRUE(served.started);
@@ -98,7 +98,7 @@ TEST(PtyClients, AreNotDisturbedByThoseWhoOpenAndClose) {
   EXPECT_EQ(served.undelivered(), 0U);
 }
 
-// The lock decides, and who loses leaves the port as it was.
+// The lock decides, and the losers leave the port as it was.
 TEST(PtyClients, OfManyThatOpenThePortAtOnceOneIsBroughtUp) {
   const Served served;
   ASSERT_TRUE(served.started);
@@ -133,7 +133,7 @@ TEST(PtyClients, OfManyThatOpenThePortAtOnceOneIsBroughtUp) {
   }
 }
 
-// A client that dies leaves the port exclusive to nobody; the modes that its owner gave it stay.
+// A client that dies does not leave the port exclusive; the modes set by the owner stay.
 TEST(PtyClients, EndTheirExclusiveUseWithTheLastOfThem) {
   const auto opened = PtyPort::open("", 57600);
   ASSERT_TRUE(opened);
@@ -141,7 +141,7 @@ TEST(PtyClients, EndTheirExclusiveUseWithTheLastOfThem) {
   ASSERT_EQ(chmod(port.device_path().c_str(), 0640), 0);
   rt::TimePoint now{};
   const auto pass = [&] {
-    port.update_clients(now += std::chrono::seconds{1});  // takes note of who came
+    port.update_clients(now += std::chrono::seconds{1});  // notes that a client came
     port.update_clients(now += std::chrono::seconds{1});  // looks
   };
   const auto exclusive = [&] {
@@ -173,16 +173,16 @@ TEST(PtyClients, EndTheirExclusiveUseWithTheLastOfThem) {
   EXPECT_EQ(mode(), 0640U);
 }
 
-// Also without a single hint, which is how it is when the user's watches are used up.
+// Even without a single hint, as when the user's watches are used up.
 TEST(PtyClients, AreSeenByWhatIsOpen) {
   const auto opened = PtyPort::open("", 57600);
   ASSERT_TRUE(opened);
   PtyPort& port = **opened;
   rt::TimePoint now{};
   const auto present = [&] {
-    port.update_clients(now);                             // takes note of the hints
+    port.update_clients(now);                             // notes the hints
     port.update_clients(now += std::chrono::seconds{1});  // looks
-    port.update_clients(now += std::chrono::seconds{1});  // looks, without any
+    port.update_clients(now += std::chrono::seconds{1});  // looks, without a hint
     return port.clients().present();
   };
   EXPECT_FALSE(present());
@@ -197,8 +197,8 @@ TEST(PtyClients, AreSeenByWhatIsOpen) {
   EXPECT_FALSE(present());
 }
 
-// A program that closes descriptors it does not know, as one that becomes a daemon does, and then
-// opens files of its own.
+// A program that closes descriptors it does not know, as in becoming a daemon, and then opens files
+// of its own.
 TEST(PtyClients, AreNotLookedForInOtherFiles) {
   auto opened = PtyPort::open("", 57600);
   ASSERT_TRUE(opened);

@@ -1,4 +1,4 @@
-// `cargobay drive --record`, `replay` and `plot`, as a user goes from one to the other.
+// `cargobay drive --record`, `replay` and `plot`, in the order a user runs them.
 
 #include <csignal>
 
@@ -18,7 +18,7 @@ using testing::StartsWith;
 
 class RecordTest : public DriveTest {
  protected:
-  // The recording is whole, and what it holds is replayed bit for bit.
+  // The recording is complete, and its contents replay bit for bit.
   void expect_replays() const {
     Command command{{"replay", file_, "--json", "-"}};
     EXPECT_EQ(command.exit_code(), 0) << command.err();
@@ -81,7 +81,7 @@ TEST_F(RecordTest, ShowsTheLastFramesOfADriveThatWasNotRecorded) {
   EXPECT_THAT(command.out(), AllOf(HasSubstr("The last frames"), HasSubstr("  passive ")));
 }
 
-// SIGKILL leaves what was on its way to the disk.
+// SIGKILL leaves what had been written so far.
 TEST_F(RecordTest, ReadsARecordingThatWasNotFinished) {
   {
     Command command{drive({"--duration", "60", "--record", file_})};
@@ -127,7 +127,7 @@ TEST_F(RecordTest, RefusesWhatIsNoRecording) {
   }
 }
 
-// A file of the same name that may not be written: the robot hears nothing of it.
+// A file of the same name that may not be written: nothing is sent to the robot.
 TEST_F(RecordTest, NeverBeginsWhereItCannotRecord) {
   ASSERT_EQ(chmod(folder_.path("").c_str(), 0777), 0);
   (void)folder_.write("drive.rec", "mine");
@@ -139,7 +139,7 @@ TEST_F(RecordTest, NeverBeginsWhereItCannotRecord) {
   EXPECT_EQ(server_->snapshot().device.bytes_received, 0U);
 }
 
-// It has been brought up by then, and is left.
+// By then the robot has been brought up, and it is left properly.
 TEST_F(RecordTest, LeavesAnOlderRecordingWhereTheDriveDoesNotBegin) {
   ASSERT_EQ(chmod(folder_.path("").c_str(), 0777), 0);
   (void)folder_.write("drive.rec", "mine");

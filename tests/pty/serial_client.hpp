@@ -1,4 +1,4 @@
-// A client of a serial port as any program would be one: open, raw, a rate, read and write.
+// A client of a serial port like any program: open, raw, a rate, read and write.
 #pragma once
 
 #include <fcntl.h>
@@ -20,7 +20,7 @@ namespace cargobay::hal::sim::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Waits for what is sure to come; a test that has to wait so long fails.
+// For waits for things that are sure to happen; a test that has to wait this long fails.
 inline constexpr std::chrono::seconds kPatience{10};
 
 template <typename Condition>
@@ -51,7 +51,7 @@ class SerialClient {
   int descriptor() const { return descriptor_; }
   bool set_baud(std::uint32_t baud) const { return !set_tty_speed(descriptor_, baud); }
 
-  // All of them, waiting for room where there is none.
+  // Sends all of them, waiting for room if there is none.
   bool send(const Bytes& bytes) const {
     std::span<const std::uint8_t> left{bytes};
     while (!left.empty()) {
@@ -64,7 +64,7 @@ class SerialClient {
     }
     return true;
   }
-  // So many bytes, or what came until patience was at its end.
+  // `count` bytes, or those that came before patience ran out.
   Bytes receive(std::size_t count) const {
     Bytes bytes;
     while (bytes.size() < count && ready(POLLIN)) {

@@ -116,7 +116,7 @@ TEST(Server, IsGarbledToAClientAtAWrongRate) {
   ASSERT_TRUE(client.send({128, 148, 1, 35}));
   ASSERT_EQ(client.receive(5), (Bytes{19, 2, 35, 1, 199}));
   ASSERT_TRUE(client.set_baud(19200));
-  // What was on its way comes whole; then there is no header any more.
+  // The frame in flight arrives whole; after that there is no further header.
   EXPECT_TRUE(eventually([&client] {
     const Bytes garbled = client.receive(50);
     return garbled.size() == 50 && std::count(garbled.begin(), garbled.end(), 19) == 0;
@@ -159,7 +159,7 @@ TEST(Server, StreamsWholeFramesInOrder) {
   EXPECT_EQ(server->snapshot().server.bytes_undelivered, 0U);
 }
 
-// Late is the machine's business; early is never right.
+// Late is the machine's fault; early is never right.
 TEST(Server, SendsNoByteEarlierThanTheWireAllows) {
   const auto server = serve({.batch_bytes = 1});
   ASSERT_TRUE(server);
@@ -184,7 +184,7 @@ TEST(PtyPort, DoesNotWaitForAClientThatDoesNotRead) {
   std::size_t written = 0;
   while (const std::size_t count = (*port)->write(chunk)) written += count;
   EXPECT_GT(written, 4000U);
-  // The kernel may move what it holds to the reader's buffer later, and have room once more.
+  // The kernel may move bytes to the reader's buffer later, and then has room again.
   for (int time = 0; time < 1000; ++time) written += (*port)->write(chunk);
   EXPECT_LT(written, 1000 * chunk.size());
 }
@@ -196,8 +196,8 @@ TEST(Server, SurvivesTenThousandRandomBytes) {
   {
     const SerialClient client{server->path()};
     Bytes noise(10'000);
-    // All but Baud, after which nobody could say at what rate to go on, and scripts and waits,
-    // which leave a robot deaf for as long as they please.
+    // All except Baud, after which the rate to go on at would be unknown, and scripts and waits,
+    // which may leave a robot deaf for any time.
     for (std::uint8_t& byte : noise) {
       do byte = static_cast<std::uint8_t>(random.next());
       while (byte == 129 || (byte >= 152 && byte <= 158));
@@ -219,7 +219,7 @@ TEST(Server, SurvivesTenThousandRandomBytes) {
   EXPECT_EQ(client.ask({142, 35}, 1), (Bytes{1}));
 }
 
-// All bytes there are, at all rates, from clients that read or do not: after that no host can know
+// All possible bytes, at all rates, from clients that read or do not. After that no host can know
 // the robot's rate or what it waits for, so its battery is taken out.
 TEST(Server, ServesOnAfterAnyClientsWhatever) {
   const auto server = serve();
@@ -293,7 +293,7 @@ TEST(Server, SaysWhetherItGotItsPriority) {
   EXPECT_TRUE(server->priority_error() == 0 || server->priority_error() == EPERM);
 }
 
-// What the robot sends meanwhile goes nowhere, as out of an open plug.
+// What the robot sends meanwhile is lost, as from an open plug.
 TEST(Server, StreamsOnWhileItsPortIsAway) {
   const auto server = serve();
   ASSERT_TRUE(server);

@@ -17,7 +17,7 @@ using testing::IsEmpty;
 
 constexpr std::string_view kAnnouncement = "listening on ";
 
-// The path it prints; empty where it prints something else.
+// The path that it prints; empty if it prints something else.
 std::string announced_path(Command& command) {
   (void)eventually(
       [&] { return !command.running() || command.out().find('\n') != std::string::npos; });
@@ -159,7 +159,7 @@ TEST_P(SimSignalTest, WritesTheTraceOfAWholeDriveInAWorld) {
   const std::string drawing = contents(trace);
   EXPECT_THAT(drawing, HasSubstr("class='cliff'"));
   EXPECT_THAT(drawing, HasSubstr("<path class='path' d='M350 -350 "));
-  // To the right edge, where its sensors saw that the table ends: a point for each 7.5 mm or so.
+  // To the right edge, where its sensors saw the end of the table: a point about every 7.5 mm.
   const std::size_t from = drawing.find("class='path'");
   const std::string way = drawing.substr(from, drawing.find("/>", from) - from);
   EXPECT_GT(std::ranges::count(way, ' '), 120);

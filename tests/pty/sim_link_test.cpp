@@ -1,4 +1,5 @@
-// The link to a virtual Create's pseudo-terminal: what may be in its place, and what becomes of it.
+// The link to a virtual Create's pseudo-terminal: what may be in its place, and what happens to
+// that.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,7 +22,7 @@ using hal::sim::remove_if;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-// The number of a pseudo-terminal that is gone; a link to it is what a killed server leaves.
+// The path of a pseudo-terminal that is gone; a killed server leaves a link to such a path.
 std::string dead_pty() { return "/dev/pts/999999"; }
 
 TEST(SimLink, LeadsToThePortAndGoesWithIt) {
@@ -107,7 +108,7 @@ TEST(SimLink, StaysWhenItIsAnothersByTheEnd) {
   EXPECT_EQ(link_target(link), "/nowhere");
 }
 
-// One after the other looks dead, and is replaced; each but one finds a living link in the end.
+// One after the other looks dead, and is replaced; all but one find a living link in the end.
 TEST(SimLink, IsOfOneAloneOfManyThatWantItAtOnce) {
   const TemporaryFolder folder;
   const std::string link = folder.path("create");
@@ -142,7 +143,7 @@ TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
   first.send(SIGKILL);
   EXPECT_EQ(first.exit_code(), -SIGKILL);
   EXPECT_TRUE(eventually([&] { return fs::is_symlink(link) && !fs::exists(link); }));
-  // Another program may get the terminal's number: that the link is a new one is what tells.
+  // Another program may get the terminal's number, so the test checks that the link is a new one.
   const auto made = [&link] {
     struct stat file{};
     return lstat(link.c_str(), &file) == 0 ? std::pair{file.st_mtim.tv_sec, file.st_mtim.tv_nsec}
@@ -155,7 +156,7 @@ TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
   EXPECT_EQ(third.exit_code(), 0);
 }
 
-// Between the look and the deed another file came: it is put back.
+// Between the look and the removal another file came: it is put back.
 TEST(RemoveIf, PutsBackWhatItDidNotMean) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "another's");

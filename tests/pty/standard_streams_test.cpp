@@ -1,4 +1,5 @@
-// Commands without a standard input, output or error; with one that nobody reads; and signals then.
+// Commands without a standard input, output or error; with one that nothing reads; and signals
+// then.
 
 #include <fcntl.h>
 
@@ -14,14 +15,14 @@ using Words = std::vector<std::string>;
 
 struct Spoken {
   const char* name;
-  Words arguments;  // the port comes behind them
+  Words arguments;  // the port follows them
 };
 
 std::ostream& operator<<(std::ostream& out, const Spoken& spoken) { return out << spoken.name; }
 
 class ClosedStreamsTest : public DriveTest, public testing::WithParamInterface<Spoken> {};
 
-// The port would be the lowest number that is free.
+// The port would get the lowest free number.
 TEST_P(ClosedStreamsTest, NeverBecomeThePort) {
   for (unsigned bits = 1; bits < 8; ++bits) {
     serve({});
@@ -61,7 +62,7 @@ TEST_P(UnreadOutputTest, DoesNotHoldUpTheEndOfSensors) {
   EXPECT_NE(command.exit_code(), Command::kHangs);
 }
 
-// No guard is there for `send`: it has to stop the wheels itself.
+// `send` has no guard here: it has to stop the wheels itself.
 TEST_P(UnreadOutputTest, DoesNotHoldUpTheStopOfSend) {
   Command command{
       {"send", "--port", port_, "--listen", "60", "start; safe; drive 200 straight; stream 0"},
@@ -82,7 +83,7 @@ TEST_P(UnreadOutputTest, DoesNotHoldUpTheEndOfADrive) {
   ASSERT_TRUE(starts_to_move());
   command.send(GetParam());
   EXPECT_EQ(command.exit_code(),
-            128 + GetParam());  // of what it is blocked by: the thread ended it
+            128 + GetParam());  // it was blocked, so the thread ended it
   close(reader);
   EXPECT_EQ(mode(), oi::Mode::passive);
   EXPECT_TRUE(stands_still());

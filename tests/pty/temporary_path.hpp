@@ -1,4 +1,4 @@
-// A name of this process's own in the folder for temporary files.
+// A name that only this process uses, in the folder for temporary files.
 #pragma once
 
 #include <unistd.h>

@@ -1,5 +1,5 @@
-// Runs the command `cargobay` as a shell would: arguments and standard input in, exit code and what
-// it printed out.
+// Runs the command `cargobay` as a shell would: arguments and standard input in, exit code and
+// output out.
 #pragma once
 
 #include <fcntl.h>
@@ -16,7 +16,7 @@
 namespace cargobay::test {
 
 struct Outcome {
-  int code = -1;  // 128 + N where signal N ended it
+  int code = -1;  // 128 + N if signal N ended it
   std::string out;
   std::string error;
 };
@@ -40,7 +40,7 @@ class ToolProcess {
 
   void send_signal(int signal) const { kill(process_, signal); }
   std::string printed_so_far() const { return content(output_) + content(error_); }
-  // Waits for its end; ctest's time limit is the limit.
+  // Waits for its end; the limit is ctest's time limit.
   Outcome wait() {
     int status = 0;
     waitpid(process_, &status, 0);
@@ -51,7 +51,7 @@ class ToolProcess {
   }
 
  private:
-  // What the child needs is made before the fork: there are other threads here.
+  // Everything the child needs is prepared before the fork: there are other threads here.
   pid_t start(std::vector<std::string> words) const {
     words.insert(words.begin(), CARGOBAY_BINARY_DIR "/cargobay");
     std::vector<char*> argv;

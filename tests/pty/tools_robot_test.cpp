@@ -68,7 +68,7 @@ TEST_F(SendTool, PrintsReplies) {
             " 35  OI Mode                                 1 (passive)\n");
 }
 
-// A bound from below: nothing but the tool makes it slower.
+// A lower bound: only the tool itself makes it this slow.
 TEST_F(SendTool, AsksNoMoreOftenThanTheRobotTicks) {
   constexpr int kQuestions = 20;
   std::string commands = "start";
@@ -193,7 +193,7 @@ TEST_F(SendTool, PrintsFramesWhileItListens) {
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_THAT(outcome.out, HasSubstr("distance 0 mm, oi_mode 1 (passive)\n"));
   EXPECT_GT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 5);
-  // Behind the pause one may be on its way still.
+  // After the pause one frame may still be in flight.
   const auto frames_later = [this](rt::Duration time) {
     const rt::Duration now = server_->snapshot().time;
     EXPECT_TRUE(eventually([&] { return server_->snapshot().time > now + time; }));
@@ -207,7 +207,7 @@ TEST_F(SendTool, TellsRepliesFromAStream) {
   const Outcome outcome =
       send({"--listen", "0.1", "start; stream 19 20 35; sensors oi_mode; sensors 35"});
   EXPECT_EQ(outcome.code, 0) << outcome.error;
-  // A frame may come in front of a reply, or between the two.
+  // A frame may come before a reply, or between the two.
   std::map<std::string, int> lines;
   std::istringstream printed{outcome.out};
   for (std::string line; std::getline(printed, line);) ++lines[line];

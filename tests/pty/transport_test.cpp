@@ -23,7 +23,7 @@ using std::chrono_literals::operator""s;
 using Bytes = std::vector<std::uint8_t>;
 using Wait = ByteStream::Wait;
 
-// The robot's end of a port, and how the port is set.
+// The robot's end of a port, and the settings of the port.
 class Pty : public testing::Test {
  protected:
   void SetUp() override {
@@ -67,7 +67,7 @@ class Pty : public testing::Test {
   }
 
   int master_ = -1;
-  int slave_ = -1;  // looks on
+  int slave_ = -1;  // to look at its settings
   std::string path_;
 };
 
@@ -82,7 +82,7 @@ TEST_F(Pty, IsRawAndAtItsRate) {
   EXPECT_EQ(tty_speed(slave_), 19200U);
 }
 
-// No byte means anything to the terminal: not 3, not 4, not 13, not 17 or 19.
+// No byte has a meaning to the terminal: not 3, not 4, not 13, not 17 or 19.
 TEST_F(Pty, CarriesEveryByteBothWays) {
   const auto stream = open_pty(path_, 57600);
   ASSERT_TRUE(stream);
@@ -148,7 +148,7 @@ TEST_F(Pty, DropsWhatCameBefore) {
   EXPECT_EQ((*stream)->wait(rt::Clock::now() + 5ms), Wait::timed_out);
 }
 
-// Nobody reads at the other end: the queue fills, and says so; nothing waits.
+// Nothing reads at the other end: the queue fills, and says so; nothing waits.
 TEST_F(Pty, TakesWhatThereIsRoomFor) {
   const auto stream = open_pty(path_, 57600);
   ASSERT_TRUE(stream);
@@ -180,7 +180,7 @@ TEST_F(Pty, IsForOneAlone) {
   EXPECT_TRUE(open_pty(path_, 57600));
 }
 
-// This process is never among the users that are found: the port is let go by somebody unseen.
+// The search never finds this process among the users: an unseen process releases the port.
 TEST_F(Pty, IsAskedForAgainWhereNobodyIsSeenToHaveIt) {
   auto first = open_pty(path_, 57600);
   ASSERT_TRUE(first);
@@ -193,7 +193,7 @@ TEST_F(Pty, IsAskedForAgainWhereNobodyIsSeenToHaveIt) {
   EXPECT_TRUE(second) << second.failure().message;
 }
 
-// Somebody's own terminal, named by mistake.
+// A user's own terminal, named by mistake.
 TEST_F(Pty, IsGivenBackAsItWasFound) {
   termios before = settings();
   before.c_lflag |= static_cast<tcflag_t>(ICANON | ECHO | ISIG);

@@ -1,4 +1,4 @@
-// The rate of a terminal as the programs at its two ends see it.
+// The rate of a terminal as seen by the programs at its two ends.
 #include "hal/port/tty_speed.hpp"
 
 #include <fcntl.h>
@@ -20,7 +20,7 @@ namespace {
 using sim::PtyPort;
 using sim::test::SerialClient;
 
-// What termios calls the rate; B0 if nothing.
+// The termios constant for the rate; B0 if there is none.
 speed_t constant_of(std::uint32_t baud) {
   switch (baud) {
     case 300: return B300;
@@ -43,7 +43,7 @@ termios settings(int descriptor) {
   return found;
 }
 
-// The bits that hold the rate of input: clear, it is that of output, whoever sets that.
+// The bits with the rate of input: if clear, it is that of output, whoever sets that.
 constexpr tcflag_t kInputRate = static_cast<tcflag_t>(CIBAUD);
 
 std::unique_ptr<PtyPort> port_at(std::uint32_t baud) {
@@ -51,7 +51,7 @@ std::unique_ptr<PtyPort> port_at(std::uint32_t baud) {
   return port ? std::move(*port) : nullptr;
 }
 
-// A terminal at the rate: with its constant, if it has one, to whoever asks for that.
+// A terminal at this rate: with its constant, if it has one, for programs that ask for that.
 void expect_rate(int descriptor, std::uint32_t baud) {
   EXPECT_EQ(tty_speed(descriptor), baud);
   const termios found = settings(descriptor);

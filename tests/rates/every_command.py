@@ -15,9 +15,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from harness import case, check, command, run  # noqa: E402
 
 RATES = (300, 600, 1200, 2400, 4800, 9600, 14400, 19200, 28800, 38400, 57600, 115200)
-# What a stream of so many bytes a tick needs (docs/protocol.md).
+# What a stream of this many bytes per tick needs (docs/protocol.md).
 DRIVES_FROM, BRINGS_UP_FROM = 14400, 9600
-# Of each the least rate at which it works. Below it is refused.
+# For each, the lowest rate at which it works. Any lower one is refused.
 COMMANDS = (
     (("sensors", "--once"), 300),
     (("sensors", "--once", "--json"), 300),
@@ -70,7 +70,7 @@ def from_each_rate(create, words, baud):
     code, _, err = end(create, "send", f"start; baud {baud}")
     check(code == 0, f"send does not change the rate: {err}")
     code, _, err = end(create, *words)
-    if words[0] in ("sensors", "send"):  # these look at one rate, and say what looks at all
+    if words[0] in ("sensors", "send"):  # these try one rate, and name what tries all
         check(code != 0 and "`cargobay bringup` finds it" in err, f"exit code {code}: {err}")
         code, _, err = end(create, "bringup")
     check(code == 0, f"exit code {code}: {err}")

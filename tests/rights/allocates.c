@@ -1,5 +1,6 @@
-/* A program that takes memory and threads while its robot drives: all of it must be granted,
-   whatever the limit on locked memory. Exit 0 where it was and the robot stood in the end. */
+/* A program that allocates memory and starts threads while its robot drives: all of it must be
+   granted, whatever the limit on locked memory. Exit 0 if it was and the robot stopped in
+   the end. */
 #include <cargobay.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -38,7 +39,7 @@ int main(void) {
     if (frame % 20 == 10) wrong = allocate();
   }
   if (wrong != NULL) fprintf(stderr, "%s\n", wrong);
-  if (error == 0) error = cargobay_stop(robot); /* fails where it is not seen to be Passive */
+  if (error == 0) error = cargobay_stop(robot); /* fails unless it is seen to be Passive */
   if (error != 0) fprintf(stderr, "%s\n", cargobay_error_message());
   cargobay_close(robot);
   return error != 0 || wrong != NULL;

@@ -58,7 +58,7 @@ class Container:
 
     def run(self, *command, **environment):
         kept = ",".join(["-all"] + ["+" + name for name in self.capabilities + self.added])
-        # For an ordinary user they are ambient, as podman makes them.
+        # For an ordinary user they are ambient, as podman sets them.
         ambient = ",".join(["-all"] + ["+" + name for name in self.added if self.user])
         words = ["setpriv", "--bounding-set", kept, "--inh-caps", ambient, "--ambient-caps", ambient]
         if self.user:
@@ -80,7 +80,7 @@ def options_in(text):
 class Rights(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        # Where an ordinary user may read, and only root may write.
+        # A place that an ordinary user may read, and only root may write.
         cls.folder = tempfile.mkdtemp()
         os.chmod(cls.folder, 0o755)
         for name in ("cargobay", "cargobay-guard", "libcargobay.so.0",

@@ -53,7 +53,7 @@ struct Outcome {
   double disturbance_mm_s = 0.0;
 };
 
-// Starts, turns round after 3 s, and goes on for 3 s more.
+// Starts, reverses after 3 s, and goes on for another 3 s.
 Outcome follow(const Course& run) {
   Axis axis{run.true_step_mm, run.remainder};
   AxisFilter filter{{.step_mm = run.told_step_mm}};
@@ -74,8 +74,7 @@ Outcome follow(const Course& run) {
   return {.rmse_mm_s = std::sqrt(squares / count), .disturbance_mm_s = filter.disturbance_mm_s()};
 }
 
-// x = F x + G u, P = F P F' + Q as the textbook has them, against what is written out in the
-// filter.
+// x = F x + G u, P = F P F' + Q as in textbooks, compared with what is written out in the filter.
 TEST(AxisFilter, PredictsAsTheMatricesSay) {
   const AxisFilter::Parameters parameters{.step_mm = 1.5};
   AxisFilter filter{parameters};
@@ -182,7 +181,7 @@ TEST(AxisFilter, HoldsStillWhereNothingMoves) {
   EXPECT_NEAR(filter.speed_mm_s(), 0.0, 1e-6);
 }
 
-// What the motors lose they lose while they drive: a robot that stands is not pushed.
+// The motors lose speed only while they drive: a robot that stands still is not pushed.
 TEST(AxisFilter, StopsWhereNothingDrivesTheWheels) {
   AxisFilter filter{{}};
   for (int tick = 0; tick < 200; ++tick) {
@@ -198,7 +197,7 @@ TEST(AxisFilter, StopsWhereNothingDrivesTheWheels) {
   EXPECT_NEAR(filter.disturbance_mm_s(), -20.0, 5.0) << "and starts again with what it learnt";
 }
 
-// A probability of each count, less what no count is denied.
+// The probability of each count, minus the floor that every count has.
 double probability_of(AxisFilter filter, int count, Remainder remainder) {
   constexpr double kLeast = 1e-4;
   return (std::exp(filter.read(count, remainder)) - kLeast) / (1.0 - kLeast);
@@ -253,8 +252,8 @@ TEST(AxisFilter, DoesNotMoveWhereAReadingWentUnseen) {
   }
 }
 
-// A wheel that coasts against its new direction counts the wrong way: told so, the filter gives the
-// counter less to say.
+// A wheel that coasts against its new direction counts the wrong way: when told so, the filter
+// gives the counter less weight.
 TEST(AxisFilter, GivesACounterThatMayGoAstrayLessToSay) {
   const auto jolt = [](double position_sd_mm) {
     AxisFilter filter{{}};

@@ -32,7 +32,8 @@ TEST(Doorbell, GivesUpAtTheDeadline) {
   EXPECT_FALSE(bell.wait(bell.rings(), Clock::now() + 1ms));
 }
 
-// As it is, but it looks for waiters before it rings: one that comes in between is not woken.
+// Like the real one, but it looks for waiters before it rings: one that comes in between is not
+// woken.
 class BrokenDoorbell {
  public:
   std::uint32_t rings() const { return rings_.load(); }
@@ -60,8 +61,8 @@ class BrokenDoorbell {
   std::atomic<std::uint32_t> waiting_{0};
 };
 
-// One rings as soon as the other has answered; who sleeps although it has rung sleeps for a second.
-// Returns whether that happened in so many rounds.
+// One rings as soon as the other has answered; a thread that sleeps although it has rung sleeps for
+// a second. Returns whether that happened within `rounds` rounds.
 template <typename Bell>
 bool oversleeps(int rounds) {
   Bell bell;

@@ -11,7 +11,7 @@
 namespace cargobay::rt {
 namespace {
 
-// The definition that the histogram approximates: the smallest value that at least so many
+// The definition that the histogram approximates: the smallest value that at least this many
 // hundredths of a percent do not exceed.
 std::uint64_t exact_percentile(const std::vector<std::uint64_t>& sorted, std::size_t hundredths) {
   const std::size_t rank = (hundredths * sorted.size() + 9999) / 10'000;
@@ -65,7 +65,7 @@ TEST(Histogram, CountsRanksExactly) {
   }
 }
 
-// One of ten periods: nine more had to wait, each a period less.
+// One wait of ten periods: nine more had to wait, each a period less.
 TEST(Histogram, CountsWhatWasOmitted) {
   Histogram histogram;
   histogram.record_corrected(100, 10);

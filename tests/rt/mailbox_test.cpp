@@ -15,10 +15,10 @@ namespace cargobay::rt {
 namespace {
 
 constexpr std::uint64_t kEnough = 50'000;  // changes that the reader has to see
-constexpr std::uint64_t kLeast = 100;      // the same where the two have to share a CPU
+constexpr std::uint64_t kLeast = 100;      // the same if the two have to share a CPU
 constexpr int kMostGoes = 10;
 
-// A value that shows whether it is whole: all its words are the same.
+// A value that shows whether it is whole: all its words are equal.
 struct Whole {
   std::array<std::uint64_t, 64> words{};
 
@@ -80,7 +80,7 @@ bool is_caught(Box& box) {
   std::uint64_t newest = 0;
   std::uint64_t changes = 0;
   bool caught = false;
-  // Starved by others the two may hardly meet in one go.
+  // If other load starves them, the two may hardly meet in one go.
   for (int i = 0; i < kMostGoes && !caught && changes < kLeast; ++i) {
     test::contend([&] { box.put(Whole::of(++written)); },
                   [&] {

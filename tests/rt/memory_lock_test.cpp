@@ -1,4 +1,4 @@
-// Locked memory under a limit, in a process of its own: what is allocated later must be there.
+// Locked memory under a limit, in a separate process: later allocations must still succeed.
 #include "rt/memory_lock.hpp"
 
 #include <linux/capability.h>
@@ -60,7 +60,7 @@ long locked_kib() {
   return depth == 0 ? 0 : dive(depth - 1) + (frame[0] != static_cast<char>(depth) ? 1 : 0);
 }
 
-// What a program does beside its robot. Empty where all of it is granted.
+// What a program does besides driving its robot. Empty if all of it is granted.
 std::string allocates() {
   constexpr std::size_t kBytes = std::size_t{64} * kMib;
   char* const memory = static_cast<char*>(std::malloc(kBytes));
@@ -80,7 +80,7 @@ std::string allocates() {
   return ran == 8 && dive(1000) == 0 ? "" : "threads or stack went wrong";
 }
 
-// In a child, since limits and rights do not come back; its word, or how it died.
+// In a child, since limits and rights cannot be regained; returns its report, or how it died.
 std::string in_child(const std::function<std::string()>& body) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) return "no pipe";
@@ -114,7 +114,7 @@ std::string beside_a_loop(const std::vector<Memory>& memory,
   return said;
 }
 
-// As in a container: root, by its number.
+// As in a container: root, by user number.
 TEST(MemoryLock, LeavesAllAllocationsToAProgramWithALimit) {
   EXPECT_EQ(in_child([] {
               set_limit(8 * kMib);
@@ -132,7 +132,7 @@ TEST(MemoryLock, LeavesAllAllocationsToAProgramWithALimit) {
             "");
 }
 
-// A daemon that opens its port as root and drops its rights then.
+// A daemon that opens its port as root and then drops its rights.
 TEST(MemoryLock, LeavesAllAllocationsToAProgramThatDropsItsRights) {
   EXPECT_EQ(in_child([] {
               set_limit(8 * kMib);
@@ -158,7 +158,7 @@ TEST(MemoryLock, LocksNothingWhereTheLimitIsTooLow) {
             "");
 }
 
-// Neither does the process keep what an ended loop had.
+// Nor does the process keep what an ended loop had locked.
 TEST(MemoryLock, UnlocksWhatALoopHad) {
   EXPECT_EQ(in_child([]() -> std::string {
               if (CARGOBAY_SANITIZED) return "";
@@ -166,7 +166,7 @@ TEST(MemoryLock, UnlocksWhatALoopHad) {
               drop_capability_to_lock();
               const std::vector<std::byte> loop(2 * kMib);
               const auto nothing = [](const RealtimeGrant&) { return std::string{}; };
-              (void)beside_a_loop({loop}, nothing);  // what stays is the code
+              (void)beside_a_loop({loop}, nothing);  // only the code stays locked
               const long after_one = locked_kib();
               for (int i = 0; i < 20; ++i) (void)beside_a_loop({loop}, nothing);
               return locked_kib() <= after_one + 16 ? "" : "it grows";

@@ -22,7 +22,7 @@ TEST(Odometry, GoesStraight) {
   EXPECT_DOUBLE_EQ(odometry.distance_mm(), 300.0);
 }
 
-// An arc is one, in however many steps.
+// An arc stays the same arc, in any number of steps.
 TEST(Odometry, ClosesACircle) {
   Odometry odometry{{}};
   constexpr int kSteps = 400;
@@ -46,7 +46,7 @@ TEST(Odometry, ScalesWhatTheRobotReports) {
   EXPECT_NEAR(odometry.pose().heading_rad, 0.5, 1e-9);
 }
 
-// Along the way slowly, across it faster and faster: the heading's error acts over the whole way.
+// Slowly along the way, faster and faster across it: the heading error acts over the whole way.
 TEST(Odometry, GrowsLessSure) {
   Odometry odometry{{}};
   for (int i = 0; i < 1000; ++i) odometry.step({.distance_mm = 1.0});
@@ -60,7 +60,7 @@ TEST(Odometry, GrowsLessSure) {
   EXPECT_EQ(odometry.covariance().xx, 0.0);
 }
 
-// What is still to be read is uncertain, but does not add up.
+// Distance not read yet is uncertain, but the uncertainty does not accumulate.
 TEST(Odometry, DoesNotAddUpWhatIsStillToBeRead) {
   Odometry odometry{{.slip_mm2_per_mm = 0.0}};
   for (int i = 0; i < 500; ++i)
@@ -72,7 +72,7 @@ TEST(Odometry, DoesNotAddUpWhatIsStillToBeRead) {
   EXPECT_NEAR(odometry.covariance().xx, 10.0, 1e-6) << "what is lost is lost for good";
 }
 
-// The sum of what is taken is the robot's whole way, whichever kind of robot it is.
+// The sum of what is taken is the robot's whole way, for either kind of robot.
 TEST(Travel, AddsUpToTheWayOfEitherKind) {
   for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
     test::Plant plant{{.remainder = remainder}};

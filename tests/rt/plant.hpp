@@ -1,5 +1,5 @@
-// A robot of this folder's own, independent of hal/sim: two wheels with a first-order lag and a
-// droop, and the counters that a reading truncates.
+// A robot model for this folder only, independent of hal/sim: two wheels with a first-order lag and
+// a droop, and the counters that a reading truncates.
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,7 @@ class Plant {
   explicit Plant(const PlantParameters& parameters)
       : parameters_{parameters}, random_{parameters.seed} {}
 
-  // One tick; `command` is what was sent on the frame before.
+  // One tick; `command` is what was sent in answer to the frame before.
   void tick(const WheelSpeeds& command) {
     left_.run(former_.left_mm_s * (1.0 - parameters_.droop_left), parameters_.delay_s, parameters_);
     right_.run(former_.right_mm_s * (1.0 - parameters_.droop_right), parameters_.delay_s,
@@ -45,7 +45,7 @@ class Plant {
     former_ = command;
   }
 
-  // Reads, and so clears, both counters.
+  // Reads both counters, and so clears them.
   WheelEstimator::Reading read() {
     distance_mm_ += (left_.travel_mm + right_.travel_mm) / 2.0;
     angle_deg_ +=

@@ -10,7 +10,7 @@ namespace {
 
 using Motion = ReadSchedule::Motion;
 
-// So many ticks as a picture: R reads the counters, a dot does not.
+// `count` ticks as a picture: R reads the counters, a dot does not.
 std::string ticks(ReadSchedule& schedule, int count, RemainderBelief belief, Motion motion) {
   std::string picture;
   for (int i = 0; i < count; ++i) picture += schedule.next_reads(belief, motion) ? 'R' : '.';

@@ -24,7 +24,7 @@ bool is_refused(const RealtimeGrant& grant, Right right) {
                      [right](const Refusal& refusal) { return refusal.right == right; });
 }
 
-// What is wrong with the grant, compared with what the thread found; empty where nothing is.
+// What is wrong with the grant, compared with what the thread found; empty if nothing is.
 std::string contradiction(const RealtimeGrant& grant, const RealtimeRequest& request, int policy,
                           int priority) {
   if (grant.fifo == is_refused(grant, Right::fifo)) return "FIFO neither granted nor refused";
@@ -38,7 +38,7 @@ std::string contradiction(const RealtimeGrant& grant, const RealtimeRequest& req
   return {};
 }
 
-// Starts a thread with this request; what it found of itself must agree with the grant.
+// Starts a thread with this request; what it found must agree with the grant.
 RealtimeGrant start(const RealtimeRequest& request, std::string& wrong) {
   std::atomic<int> policy{-1};
   std::atomic<int> priority{-1};
@@ -113,7 +113,7 @@ TEST(RealtimeThread, JoinsWhenItIsDestroyed) {
   std::atomic<bool> done{false};
   {
     RealtimeThread thread;
-    (void)thread.start({.lock_memory = false}, [&] { done = true; });  // the grant is not at issue
+    (void)thread.start({.lock_memory = false}, [&] { done = true; });  // not the grant's test
   }
   EXPECT_TRUE(done);
 }
@@ -156,7 +156,7 @@ TEST(Refusal, SaysWhatWasRefusedWhyAndWhatToDo) {
   EXPECT_NE(explain({Right::fifo, EPERM}).find("Operation not permitted"), std::string::npos);
 }
 
-// Runs `body` in a process of its own; returns what it wrote, or its end.
+// Runs `body` in a separate process; returns what it wrote, or how it ended.
 template <typename Body>
 std::string in_child(Body&& body) {
   std::array<int, 2> ends{};
@@ -179,7 +179,7 @@ std::string in_child(Body&& body) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? text : "the child died: " + text;
 }
 
-// Without any right: root becomes nobody, others are without already.
+// Gives up every right: root becomes nobody, other users have none anyway.
 void give_up_rights() {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_RTPRIO, &none);

@@ -1,4 +1,4 @@
-// What is said about each refusal, by where the program runs.
+// What is said about each refusal, depending on where the program runs.
 #include "rt/refusal.hpp"
 
 #include <cerrno>
@@ -45,7 +45,7 @@ TEST(Refusal, SaysThatALimitIsTooLow) {
               HasSubstr("'rtprio 95'"));
 }
 
-// Only where the rights are there can anything else be the cause.
+// Anything else can be the cause only if the rights are there.
 TEST(Refusal, BlamesGroupAndFilterOnlyWhereTheRightsAreThere) {
   const Rights root{.effective = only(Capability::sys_nice), .no_realtime_budget = true};
   EXPECT_THAT(explain(kNoFifo, root), HasSubstr("cpu.rt_runtime_us"));
@@ -119,7 +119,7 @@ TEST_F(OwnRights, KnowAUserNamespaceAndAFilter) {
   EXPECT_TRUE(own_rights(root_).filtered);
 }
 
-// The file is there with CONFIG_RT_GROUP_SCHED only; its absence says nothing.
+// The file exists only with CONFIG_RT_GROUP_SCHED; its absence means nothing.
 TEST_F(OwnRights, KnowAGroupWithoutARealtimeBudget) {
   write("proc/self/cgroup", "3:cpu,cpuacct:/user.slice\n");
   EXPECT_FALSE(own_rights(root_).no_realtime_budget);

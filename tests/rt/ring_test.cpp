@@ -80,7 +80,7 @@ TEST(SpscRing, HandsOverEveryEventOnceAndWhole) {
   EXPECT_EQ(wrong, 0U);
 }
 
-// What does not fit is dropped; what is not dropped comes in order.
+// What does not fit is dropped; the rest comes in order.
 TEST(SpscRing, LosesNothingThatItDidNotCount) {
   SpscRing<Event, 2> ring;
   std::atomic<std::uint64_t> pushed{0};
@@ -98,7 +98,7 @@ TEST(SpscRing, LosesNothingThatItDidNotCount) {
   test::contend(
       [&] {
         const std::uint64_t number = pushed.load(std::memory_order_relaxed) + 1;
-        (void)ring.push({number, 2 * number});  // dropped ones are what the test is about
+        (void)ring.push({number, 2 * number});  // dropped ones are under test
         pushed.store(number, std::memory_order_relaxed);
       },
       [&] { return take() && popped >= 20'000; });
@@ -108,7 +108,7 @@ TEST(SpscRing, LosesNothingThatItDidNotCount) {
   EXPECT_EQ(popped + ring.dropped(), pushed.load(std::memory_order_relaxed));
 }
 
-// Wrong on purpose: says that the slot is full before it is. (Its slots are atomic so that
+// Wrong on purpose: marks the slot as full before it is. (Its slots are atomic so that
 // ThreadSanitizer leaves the finding to the test.)
 class RingThatPublishesEarly {
  public:
@@ -135,7 +135,7 @@ class RingThatPublishesEarly {
   std::atomic<std::uint64_t> slots_[kCapacity]{};
 };
 
-// Wrong on purpose: writes over what was not read yet.
+// Wrong on purpose: overwrites what was not read yet.
 class RingWithoutEnd {
  public:
   bool push(std::uint64_t value) {

@@ -14,7 +14,7 @@ namespace cargobay::rt {
 namespace {
 
 constexpr std::uint64_t kEnough = 50'000;  // changes that the reader has to see
-constexpr std::uint64_t kLeast = 100;      // the same where the two have to share a CPU
+constexpr std::uint64_t kLeast = 100;      // the same if the two have to share a CPU
 constexpr int kMostGoes = 10;
 
 TEST(SetpointCell, IsAtRestUntilSomethingIsPut) {
@@ -83,7 +83,7 @@ bool is_caught(Cell& cell) {
   std::uint64_t changes = 0;
   double former = 0.0;
   bool caught = false;
-  // Starved by others the two may hardly meet in one go.
+  // If other load starves them, the two may hardly meet in one go.
   for (int i = 0; i < kMostGoes && !caught && changes < kLeast; ++i) {
     test::contend(
         [&] {
@@ -121,7 +121,7 @@ TEST(SetpointCell, CountsSetpointsFromSeveralThreads) {
   EXPECT_EQ(cell.get().speeds.left_mm_s, -cell.get().speeds.right_mm_s);
 }
 
-// Wrong on purpose: a word for each wheel.
+// Wrong on purpose: one word per wheel.
 class TwoWordCell {
  public:
   bool put(const WheelSpeeds& speeds) {

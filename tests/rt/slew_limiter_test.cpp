@@ -54,7 +54,7 @@ TEST(SlewLimiter, StartsFromWhereItWasSet) {
   EXPECT_EQ(limiter.step(500.0, kTick), 115.0);
 }
 
-// What holds whatever is asked: checked over random limits, targets and times of change.
+// What holds for any request: checked over random limits, targets and times of change.
 class JerkLimited : public testing::TestWithParam<unsigned> {
  protected:
   static constexpr double kRounding = 1e-6;
@@ -95,7 +95,7 @@ TEST_P(JerkLimited, KeepsBothLimits) {
       limiter_.step(target, kTick);
       const double now = limiter_.rate_mm_s2();
       EXPECT_LE(std::abs(now), limits_.acceleration_mm_s2 + kRounding);
-      // Growing, always. Fading, as long as the target has not moved.
+      // Its growth, always. Its decrease, as long as the target has not moved.
       const double growth = limits_.jerk_mm_s3 * kTick + kRounding;
       EXPECT_LE(std::abs(now) - std::max(0.0, now > 0.0 ? rate : -rate), growth);
       if (step > 0) {
@@ -110,7 +110,7 @@ TEST_P(JerkLimited, ReachesTheTargetExactlyAndRests) {
   for (int move = 0; move < 50; ++move) {
     const double target = draw(-500.0, 500.0);
     const double way = std::abs(target - limiter_.speed_mm_s());
-    // Up to full acceleration and down again, or as far as the way allows; then what is left.
+    // Up to full acceleration and down again, or as far as the way allows; then the rest.
     const double longest_s = way / limits_.acceleration_mm_s2 +
                              limits_.acceleration_mm_s2 / limits_.jerk_mm_s3 +
                              2.0 * std::sqrt(way / limits_.jerk_mm_s3);
@@ -132,7 +132,7 @@ TEST(SlewLimiter, AsIfThereWereNoJerkLimitWhereItIsFarAway) {
   }
 }
 
-// Asked to stop in the middle of an acceleration, it does not speed up first.
+// Told to stop in the middle of an acceleration, it does not speed up first.
 TEST(SlewLimiter, DropsAnAccelerationThatLeadsAway) {
   SlewLimiter limiter{{.acceleration_mm_s2 = 1000.0, .jerk_mm_s3 = 5000.0}};
   for (int tick = 0; tick < 20; ++tick) limiter.step(500.0, kTick);

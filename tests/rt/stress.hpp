@@ -1,5 +1,5 @@
-// One thread writes, the test reads, until enough was seen: what lock-free code is shown to
-// survive, and what its broken twin is caught at.
+// One thread writes, the test reads, until enough was seen: what lock-free code must survive, and
+// what its broken twin must be caught at.
 #pragma once
 
 #include <pthread.h>
@@ -11,9 +11,9 @@
 
 namespace cargobay::rt::test {
 
-// Left to itself the scheduler may keep two busy threads on one CPU for seconds, where they never
-// meet. While this lives the calling thread is on the first CPU that it may use; move_on() takes a
-// thread to the next.
+// Left alone, the scheduler may keep two busy threads on one CPU for seconds, where they never run
+// at once. While this lives the calling thread is on the first CPU that it may use; move_on() moves
+// a thread to the next.
 class Apart {
  public:
   Apart() {
@@ -44,16 +44,16 @@ class Apart {
   int first_ = 0;
 };
 
-// What a broken twin does in the middle of its work now and then, so that it is caught on any
-// machine, one with a single CPU too.
+// A broken twin does this in the middle of its work now and then, so that it is caught on any
+// machine, even one with a single CPU.
 inline void falter() {
   thread_local int calls = 0;
   if (++calls % 100 == 0) std::this_thread::yield();
 }
 
-// Runs `write` on a thread of its own, again and again, and `read` on this one until it says true
-// or patience is at its end. Returns what the last `read` said. Both give way now and then: they
-// may have to share a CPU.
+// Runs `write` on a separate thread, again and again, and `read` on this one until it returns true
+// or patience runs out. Returns what the last `read` returned. Both yield now and then: they may
+// have to share a CPU.
 template <typename Write, typename Read>
 bool contend(Write&& write, Read&& read, std::chrono::seconds patience = std::chrono::seconds{3}) {
   constexpr int kTurn = 1000;

@@ -20,10 +20,10 @@ using std::chrono_literals::operator""us;
 constexpr Duration kTick = 15ms;
 constexpr TimePoint kStart{1000s};
 
-// A robot that sends a frame a tick, and a way to the clock that delays and drops.
+// A robot that sends a frame per tick, and a path to the clock that delays and drops frames.
 struct Line {
   Duration tick = kTick;  // by the host's clock
-  // When the frame of that tick arrives, behind its time; nothing delays it beyond the next call.
+  // How late the frame of that tick arrives; nothing delays it beyond the next call.
   std::function<Duration(std::int64_t tick)> late = [](std::int64_t) { return Duration{0}; };
   std::function<bool(std::int64_t tick)> drops = [](std::int64_t) { return false; };
 };
@@ -31,11 +31,11 @@ struct Line {
 struct Counted {
   std::int64_t lost = 0;
   std::int64_t ticks = 0;
-  // Of expected() against the due time of the next frame, where none is missing.
+  // expected() compared with the due time of the next frame, if none is missing.
   Duration worst_expectation{0};
 };
 
-// Frames keep their order: one that comes before the one ahead of it comes with it.
+// Frames keep their order: one that overtakes the one before it arrives together with it.
 Counted run(const Line& line, std::int64_t ticks) {
   struct Arrival {
     TimePoint time;
@@ -111,7 +111,7 @@ TEST(TickClock, TakesAnyJitterBelowATickForLateness) {
   }
 }
 
-// The host stood still for a while, and found all that came in the meantime.
+// The host stood still for a while, and found everything that had come meanwhile.
 TEST(TickClock, CountsEachFrameOfABunch) {
   for (const std::int64_t bunch : {2, 3, 7, 20}) {
     const Line line{.late = [bunch](std::int64_t tick) {
@@ -124,8 +124,8 @@ TEST(TickClock, CountsEachFrameOfABunch) {
   }
 }
 
-// A USB adapter that hands over every 16 ms what has come: each frame is late by another ms, and
-// each sixteenth comes with the next.
+// A USB adapter that passes on every 16 ms what has come: each frame is another ms late, and every
+// sixteenth comes with the next.
 TEST(TickClock, LosesNothingToAnAdapterThatBunches) {
   for (const Duration frame : {Duration{0ms}, Duration{2300us}, Duration{8ms}}) {
     for (Duration offset{0}; offset < 16ms; offset += 700us) {
@@ -157,7 +157,7 @@ TEST(TickClock, CountsLostFramesInARow) {
   }
 }
 
-// A cable pulled out and put back: the time that passed is known as soon as two frames are here.
+// A cable pulled out and put back: the time that passed is known once two frames are here.
 TEST(TickClock, DoesNotWaitLongForWhatCannotBeLate) {
   TickClock clock{kTick};
   clock.start(kStart);
@@ -195,7 +195,7 @@ TEST(TickClock, TellsLostFromLateWhereBothHappen) {
   }
 }
 
-// What is known to have been damaged needs no patience: its tick is counted with the next frame.
+// A frame known to be damaged needs no patience: its tick is counted with the next frame.
 TEST(TickClock, BelievesAtOnceInAFrameThatWasSeenDamaged) {
   TickClock clock{kTick};
   clock.start(kStart);
@@ -232,7 +232,7 @@ TEST(TickClock, TakesNothingBackASecondLater) {
   EXPECT_FALSE(clock.in_phase());
 }
 
-// A frame that is late by most of a tick, of those given up, is no robot that is early.
+// A given-up frame that is late by most of a tick does not mean that the robot is early.
 TEST(TickClock, KeepsItsPhaseBehindALoss) {
   TickClock clock{kTick};
   clock.start(kStart);
@@ -280,7 +280,7 @@ TEST(TickClock, FollowsTheDriftUnderJitterAndLoss) {
   }
 }
 
-// The first frame came late, so all others seem to be early.
+// The first frame came late, so all others seem early.
 TEST(TickClock, FindsThePhaseWhereTheFirstFrameWasLate) {
   for (const Duration late : {Duration{1ms}, Duration{8ms}, Duration{14ms}}) {
     const Line line{.late = [late](std::int64_t tick) { return tick == 0 ? late : 0ms; }};
@@ -306,7 +306,7 @@ TEST(TickClock, KnowsWhichFrameWasDueLast) {
 
 TEST(TickClock, SaysWhereItsPhaseWasWrong) {
   TickClock clock{kTick};
-  clock.start(kStart + 9ms);  // late, which nobody knows yet
+  clock.start(kStart + 9ms);  // late, which is not known yet
   EXPECT_FALSE(clock.in_phase()) << "one frame shows no phase";
   (void)clock.arrived(kStart + kTick, 1);  // 9 ms before its time
   EXPECT_FALSE(clock.in_phase());

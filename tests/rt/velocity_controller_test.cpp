@@ -51,7 +51,7 @@ TEST(VelocityController, LeavesTheLimitAtOnceWhenTheErrorChangesSign) {
   }
 }
 
-// A set speed just within reach, a droop that is not: the integral may not run away either.
+// A set speed just within reach, with a droop that is not: the integral must not run away either.
 TEST(VelocityController, DoesNotWindUpOverADroopThatItCannotTakeAway) {
   VelocityController controller{Parameters{}};
   double speed_mm_s = 0.0;
@@ -72,7 +72,7 @@ TEST(VelocityController, StillUnwindsWhileItIsAtTheLimit) {
   for (int tick = 0; tick < 100; ++tick) (void)controller.step(300.0, 0.0, 250.0);
   const double before_mm_s = controller.integral_mm_s();
   ASSERT_GT(before_mm_s, 100.0);
-  // Too fast already, and asked to go at the limit all the same.
+  // Already too fast, and still asked to go at the limit.
   EXPECT_EQ(controller.step(499.0, 0.0, 505.0), 500.0);
   EXPECT_LT(controller.integral_mm_s(), before_mm_s);
 }

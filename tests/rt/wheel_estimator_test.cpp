@@ -20,7 +20,7 @@ RemainderBelief belief_in(Remainder remainder) {
   return remainder == Remainder::carried ? RemainderBelief::carried : RemainderBelief::lost;
 }
 
-// The plant, driven open loop, and the estimator behind the read schedule.
+// The plant, driven open loop, and the estimator with the read schedule.
 class Drive {
  public:
   explicit Drive(const PlantParameters& plant, const WheelEstimator::Parameters& estimator = {})
@@ -46,7 +46,7 @@ class Drive {
   void run(const WheelSpeeds& command, int ticks) {
     for (int i = 0; i < ticks; ++i) tick(command);
   }
-  // The worst of both wheels, squared, summed over ticks.
+  // The worse of the two wheels, root mean square over the ticks.
   double rmse_over(const WheelSpeeds& command, int ticks) {
     double left = 0.0;
     double right = 0.0;
@@ -119,7 +119,7 @@ TEST_P(WheelEstimatorOfBothKinds, KnowsTheSpeedAfterASecond) {
   }
 }
 
-// Ten minutes each at speeds of a whole number of millimetres, or of a whole degree, a tick: every
+// Ten minutes each at speeds of a whole number of millimetres, or a whole degree, per tick: every
 // reading is then the same, and says the same again and again.
 TEST_P(WheelEstimatorOfBothKinds, DoesNotChangeItsMindOverALongSteadyDrive) {
   const double degree_a_tick = 258.0 * std::numbers::pi / 180.0 / Plant::kTick / 2.0;
@@ -146,7 +146,7 @@ TEST_P(WheelEstimatorOfBothKinds, ChangesItsMindWhereItWasWrong) {
   Drive drive{{.remainder = GetParam()}};
   drive.run({150, 150}, 2000);
   ASSERT_EQ(drive.estimator().belief(), belief_in(GetParam()));
-  // Another robot on the same wires: no remainder as before.
+  // Another robot on the same wires, with the other kind of remainder.
   const Remainder other = GetParam() == Remainder::carried ? Remainder::lost : Remainder::carried;
   drive.plant() = Plant{{.remainder = other}};
   drive.run({150, 150}, 8000);  // two minutes
@@ -172,7 +172,7 @@ TEST_P(WheelEstimatorOfBothKinds, IsNotMisledByLostFrames) {
 }
 
 // A second of frames that never came, half of which had read the counters.
-// The stop came a few ticks before or behind what the estimator takes for its time.
+// The stop came a few ticks before or after the time that the estimator assumes.
 // Neither from what it reads, which is of the past, nor from the next, which lacks it.
 TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromAFrameThatComesAfterAll) {
   Drive drive{{.remainder = GetParam()}};
@@ -213,7 +213,7 @@ TEST_P(WheelEstimatorOfBothKinds, GoesOnByTheModelWhereNothingArrives) {
   EXPECT_LE(drive.rmse_over(command, 100), 8.0);
 }
 
-// The counters have been counting for who knows how long.
+// The counters have been counting for an unknown time.
 TEST_P(WheelEstimatorOfBothKinds, DiscardsTheFirstReading) {
   WheelEstimator estimator{{}};
   estimator.step({}, WheelEstimator::Reading{.distance_mm = 12'345, .angle_deg = -678});
@@ -221,7 +221,7 @@ TEST_P(WheelEstimatorOfBothKinds, DiscardsTheFirstReading) {
   EXPECT_EQ(estimator.belief(), kUnknown);
 }
 
-// One reading that says what no robot can do, in the middle of a drive.
+// One impossible reading in the middle of a drive.
 TEST_P(WheelEstimatorOfBothKinds, RejectsAStepThatNoRobotCanMake) {
   for (const WheelEstimator::Reading& junk :
        {WheelEstimator::Reading{.distance_mm = 30'000, .angle_deg = 0},
@@ -284,7 +284,7 @@ TEST(WheelEstimator, ForgetsOnReset) {
   EXPECT_EQ(estimator.speeds(), WheelSpeeds{});
 }
 
-// Left and right are what they are called.
+// Left and right are not swapped.
 TEST(WheelEstimator, TellsLeftFromRight) {
   Drive drive{{}};
   drive.run({100, 300}, 200);
@@ -292,7 +292,7 @@ TEST(WheelEstimator, TellsLeftFromRight) {
   EXPECT_NEAR(drive.estimator().speeds().right_mm_s, 270.0, 10.0);
 }
 
-// The very same bits again: what was recorded can be replayed.
+// The very same bits again: recordings can be replayed.
 TEST(WheelEstimator, IsDeterministic) {
   Drive one{{.seed = 5}};
   Drive other{{.seed = 5}};

@@ -143,7 +143,7 @@ TEST(WheelLoop, StartsFromStandingAfterAStop) {
   EXPECT_LT(next.left_mm_s, 150.0);
 }
 
-// Given up, and here a moment later: each tick counts once.
+// Given up, yet here a moment later: each tick counts once.
 TEST(WheelLoop, CountsATickOnceWhoseFrameComesAfterAll) {
   ClosedLoop waited{{}};
   waited.run({200, 200}, 200);
@@ -160,7 +160,7 @@ TEST(WheelLoop, CountsATickOnceWhoseFrameComesAfterAll) {
 TEST(WheelLoop, SurvivesALongSilence) {
   ClosedLoop closed{{}};
   closed.run({200, 200}, 200);
-  closed.loop().lost(1'000'000, true);  // bounded, and so quick
+  closed.loop().lost(1'000'000, true);  // bounded, and therefore quick
   closed.run({200, 200}, 200);
   EXPECT_NEAR(closed.mean_over({200, 200}, 200).left_mm_s, 200.0, 1.5);
 }

@@ -58,7 +58,7 @@ auto* const kSyscall = next<long(long, ...)>("syscall");
 
 }  // namespace
 
-// What others named: glibc its allocator for whoever replaces it, POSIX the rest.
+// Names that others chose: glibc for a replaced allocator, POSIX for the rest.
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
 // NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
@@ -146,7 +146,7 @@ ssize_t write(int descriptor, const void* bytes, std::size_t size) {
   return kWrite(descriptor, bytes, size);
 }
 
-// What std::atomic's wait() and notify() ask for their futex by.
+// How std::atomic's wait() and notify() call their futex.
 long syscall(long number, ...) {
   if (number == SYS_futex) count(&Calls::locks);
   std::array<long, 6> arguments{};
@@ -185,7 +185,7 @@ bool lay_tripwire() {
 
   constexpr std::array kAllowed{SYS_ppoll, SYS_read,       SYS_write,        SYS_clock_gettime,
                                 SYS_exit,  SYS_exit_group, SYS_rt_sigreturn, SYS_getrusage};
-  // One jump a number to the last instruction, which allows; else the one before it, which traps.
+  // One jump per number to the last instruction, which allows; otherwise the one before it traps.
   std::array<sock_filter, kAllowed.size() + 3> program{};
   program[0] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
   for (std::size_t i = 0; i < kAllowed.size(); ++i) {

@@ -1,8 +1,8 @@
-// Counts what a real-time thread must not do. The test program brings its own malloc, free and
-// pthread_mutex_lock, and its own ppoll, read and write, which count and pass on; page faults are
-// counted by the kernel. What glibc does inside, without a call that could be caught, it can only
-// do by a system call, and those the tripwire counts. Each thread counts for itself, and only
-// between begin() and end().
+// Counts what a real-time thread must not do. The test program has its own malloc, free and
+// pthread_mutex_lock, and its own ppoll, read and write, which count and pass on; the kernel counts
+// page faults. Anything that glibc does inside, without a call that could be intercepted, needs a
+// system call, and the tripwire counts those. Each thread counts for itself, and only between
+// begin() and end().
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,25 @@ namespace cargobay::test {
 
 struct Calls {
   std::uint64_t heap = 0;       // malloc, calloc, realloc, free and what is built on them
-  std::uint64_t locks = 0;      // mutexes, conditions, semaphores; futexes asked for by syscall()
+  std::uint64_t locks = 0;      // mutexes, conditions, semaphores; futexes through syscall()
   std::uint64_t waits = 0;      // ppoll
   std::uint64_t time_outs = 0;  // of these
   std::uint64_t reads = 0;
   std::uint64_t writes = 0;
   std::uint64_t page_faults = 0;  // minor and major
-  std::uint64_t other_calls = 0;  // of the system, behind lay_tripwire()
+  std::uint64_t other_calls = 0;  // other system calls, after lay_tripwire()
 };
 
 void begin_counting();
 // What this thread has done since begin_counting().
 Calls end_counting();
 
-// From here to its end this thread may ask the kernel for ppoll, read, write, the clock and its
-// page faults; whatever else it asks for fails with ENOSYS and is counted. False where the kernel
-// has no seccomp filters.
+// From here to its end this thread may call the kernel only for ppoll, read, write, the clock and
+// its page faults; anything else fails with ENOSYS and is counted. False if the kernel has no
+// seccomp filters.
 bool lay_tripwire();
 
-// Stops the count on this thread for as long as it lives.
+// Suspends the count on this thread for as long as it lives.
 class Uncounted {
  public:
   Uncounted();

@@ -33,7 +33,7 @@ namespace {
 using cargobay::test::Calls;
 using cargobay::test::Uncounted;
 
-// Counts from frame `first` to frame `last`, then ends the cycle. `also` is done in each frame
+// Counts from frame `first` to frame `last`, then ends the cycle. Calls `also` in each frame
 // between: a planted fault.
 struct Counted {
   ControlCycle* cycle = nullptr;
@@ -58,20 +58,20 @@ struct Counted {
       self.cycle->request_stop();
     }
     if (self.also != nullptr && self.frame > self.first && self.frame < self.last) self.also();
-    // Never at rest for long: every branch of the loop is taken.
+    // Never at rest for long, so that every branch of the loop is taken.
     const bool fast = static_cast<std::int64_t>(seconds / 2.0) % 2 == 0;
     return fast ? rt::WheelSpeeds{300.0, 200.0} : rt::WheelSpeeds{-50.0, -80.0};
   }
 };
 
-// The virtual Create's own doings are not the cycle's.
+// What the virtual Create itself does is not the cycle's.
 class UncountedLink final : public ByteStream {
  public:
   explicit UncountedLink(sim::VirtualLink& link) : link_{link} {}
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
     const Uncounted uncounted;
     ++waits;
-    CycleState state;  // taken as by another thread
+    CycleState state;  // taken as another thread would
     while (cycle != nullptr && cycle->next_state(state)) {
     }
     return link_.wait(deadline);
@@ -107,7 +107,7 @@ Calls run_in_virtual_time(sim::Remainder remainder, std::int64_t frames, void (*
   UncountedLink link{virtual_link};
   EXPECT_TRUE(bring_up(link, {.packets = kReadingList}));
   EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
-  // With its flight recorder, as every robot has it.
+  // With its flight recorder, as for every robot.
   FlightRecorder recorder;
   RecordingStream recorded{link, recorder};
   const auto cycle = std::make_unique<ControlCycle>(recorded, ControlCycle::Parameters{});
@@ -157,7 +157,7 @@ void touch_the_heap_aligned() {
 std::atomic<int> planted_atomic{
     1};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): planted
 void ask_for_a_futex() {
-  // Nobody waits; told that somebody may, the library asks the kernel.
+  // Nothing waits; told that something may, the library asks the kernel.
   syscall(SYS_futex, &planted_atomic, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
 }
 
@@ -192,7 +192,7 @@ struct PtyRun {
   std::uint64_t withheld = 0;
 };
 
-// The real thing: own thread, own port, real time.
+// The real thing: its own thread, its own port, real time.
 PtyRun run_over_pty(std::int64_t frames, void (*also)() = nullptr) {
   auto server = sim::Server::open(sim::Parameters{}, {.priority = 70});
   EXPECT_TRUE(server) << server.failure().message;
@@ -209,7 +209,7 @@ PtyRun run_over_pty(std::int64_t frames, void (*also)() = nullptr) {
   const auto grant = (*robot)->start({.function = &Counted::control, .context = &counted});
   EXPECT_TRUE(grant) << grant.failure().message;
   while (!(*robot)->ended()) poll(nullptr, 0, 10);
-  // The tripwire is on the thread still, and lets its farewell make no other call either.
+  // The tripwire still watches the thread, so its farewell must not make another call either.
   (void)(*robot)->stop();
   return {.calls = counted.calls,
           .guarded = counted.guarded,
@@ -228,7 +228,7 @@ TEST(SteadyCycle, IsOneWaitOneReadOneWriteOverAPty) {
   }
   EXPECT_LE(run.calls.writes, kFrames);
   EXPECT_GE(run.calls.writes + run.withheld, kFrames);
-  // Where the machine held up a frame, or a part of it, a wait timed out, and was tried again.
+  // If the machine delayed a frame, or a part of it, a wait timed out and was repeated.
   EXPECT_EQ(run.calls.waits, run.calls.reads);
   EXPECT_LE(run.calls.waits, kFrames + run.calls.time_outs);
   if (!run.memory_locked) GTEST_SKIP() << "memory could not be locked: page faults not counted";

@@ -1,5 +1,5 @@
-// The virtual Create runs within the calls of its link: it may not allocate or lock there either,
-// or no test over it could say anything of the control cycle.
+// The virtual Create runs within the calls of its link: it must not allocate or lock there either,
+// or no test over it could prove anything about the control cycle.
 #include "hal/sim/line/virtual_link.hpp"
 
 #include <array>
@@ -30,7 +30,7 @@ TEST(VirtualLink, NeitherAllocatesNorLocksInItsCalls) {
     (void)link.read(bytes);
     const std::array<std::uint8_t, 5> drive{145, 0, 200, 0, static_cast<std::uint8_t>(i % 200)};
     (void)link.write(drive);
-    if (i == 500) device.inputs().wheel_drop_left = true;  // a change of mode allocates no more
+    if (i == 500) device.inputs().wheel_drop_left = true;  // nor does a change of mode allocate
   }
   const test::Calls calls = test::end_counting();
   EXPECT_EQ(calls.heap, 0U);

@@ -1,4 +1,4 @@
-// Wrong on purpose: reads behind a heap block.
+// Wrong on purpose: reads past the end of a heap block.
 #include <cstdio>
 #include <memory>
 

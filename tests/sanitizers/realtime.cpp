@@ -1,4 +1,5 @@
-// Wrong on purpose: allocates where nothing may wait, hidden from the compiler behind a pointer.
+// Wrong on purpose: allocates in a function that must not wait, hidden from the compiler by a
+// pointer.
 #include <cstdio>
 #include <cstdlib>
 
@@ -8,7 +9,7 @@ void* (*volatile allocate)(std::size_t) = std::malloc;
 
 void* cycle() noexcept [[clang::nonblocking]] {
 #pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wfunction-effects"  // the run-time check is what is shown here
+#pragma clang diagnostic ignored "-Wfunction-effects"  // the run-time check is under test here
   return allocate(16);
 #pragma clang diagnostic pop
 }

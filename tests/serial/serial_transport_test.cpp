@@ -1,6 +1,6 @@
 // libserialport's own code on a pseudo-terminal. It wants its port under /dev and under
 // /sys/class/tty, so the port is named by a path that leads to one link from both; and it asks for
-// modem lines, which a pseudo-terminal has not. This program answers in the kernel's place.
+// modem lines, which a pseudo-terminal does not have. This program answers in the kernel's place.
 #include "hal/port/serial_transport.hpp"
 
 #include <fcntl.h>
@@ -46,7 +46,7 @@ char* __wrap___realpath_chk(const char* path, char* resolved, std::size_t size);
 int __wrap_ioctl(int descriptor, unsigned long request, ...);
 int __real_ioctl(int descriptor, unsigned long request, void* argument);
 
-// libserialport 0.1.2 resolves names, as Debian compiles it by this; our name is to stay what it
+// libserialport 0.1.2, as Debian compiles it, resolves names with this; our name must stay as it
 // is.
 char* __wrap___realpath_chk(const char* path, char* resolved, std::size_t size) {
   const std::string_view name{path};
@@ -128,7 +128,7 @@ class SerialTransport : public testing::Test {
   std::string pty_;
   std::string path_;
   int master_ = -1;
-  int slave_ = -1;  // looks on
+  int slave_ = -1;  // to look at its settings
 };
 
 TEST_F(SerialTransport, Is8N1RawWithoutFlowControlAtItsRate) {
@@ -175,7 +175,7 @@ TEST_F(SerialTransport, ChangesItsRateAndKeepsItsThreshold) {
   EXPECT_EQ(tty_speed(slave_), 115200U) << "a new threshold keeps the rate";
 }
 
-// libserialport sets the rate, and set_wake_threshold() once more: both by its constant.
+// libserialport sets the rate, and set_wake_threshold() does again: both by its constant.
 TEST_F(SerialTransport, SetsStandardRatesByTheirConstants) {
   const std::pair<std::uint32_t, speed_t> rates[] = {
       {300, B300},   {600, B600},     {1200, B1200},   {2400, B2400},   {4800, B4800},
@@ -253,7 +253,7 @@ TEST_F(SerialTransport, SaysWhatHasNoModemLines) {
 }
 
 TEST_F(SerialTransport, IsTakenForAPtyWhereItIsOne) {
-  modem.there = false;  // libserialport would not have it
+  modem.there = false;  // otherwise libserialport would refuse it
   const auto port = open_port((folder_ / "tty").string(), 57600);
   ASSERT_TRUE(port) << port.failure().message;
   EXPECT_EQ(tty_speed(slave_), 57600U);

@@ -1,4 +1,4 @@
-// OI p. 19: charging and what tells of it; p. 6: where it ends.
+// OI p. 19: charging and how it shows; p. 6: when it ends.
 #include "hal/sim/battery.hpp"
 
 #include <string>
@@ -79,7 +79,7 @@ TEST(Charging, EndsInFullMode) {
   robot.wait(1s);
   robot.send({132});
   robot.to_tick();
-  robot.wait(10ms);  // a line of text may be on its way
+  robot.wait(10ms);  // a line of text may be in flight
   (void)robot.receive();
   EXPECT_EQ(robot.ask({149, 2, 21, 34}), (Bytes{0, 1}));
 }
@@ -169,7 +169,7 @@ TEST(BatteryPack, ForgetsEverythingWhenItIsChanged) {
   EXPECT_EQ(robot.device.baud(), 57600U);
 }
 
-// OI p. 19: packets 25 and 26 are inaccurate with it.
+// OI p. 19: packets 25 and 26 are inaccurate with alkaline cells.
 TEST(BatteryPack, OfAlkalineCellsIsNotWhatThePacketsSay) {
   Robot robot;
   robot.device.change_battery(BatteryPack::alkaline);

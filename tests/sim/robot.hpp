@@ -23,7 +23,7 @@ using std::chrono_literals::operator""us;
 using std::chrono_literals::operator""ns;
 using std::chrono_literals::operator""s;
 
-// Wheels that do as they are told, at once.
+// Wheels that do at once what they are told.
 inline Parameters ideal_wheels() {
   Parameters parameters;
   parameters.wheels = {.lag_s = 1e-9,
@@ -55,7 +55,7 @@ struct Robot {
     bytes.resize(link.read(bytes).count);
     return bytes;
   }
-  // Sends and returns what comes back within 10 ms, in which no tick passes that is not waited for.
+  // Sends and returns what comes back within 10 ms, in which no unexpected tick passes.
   Bytes ask(std::initializer_list<std::uint8_t> bytes) {
     (void)receive();
     send(bytes);

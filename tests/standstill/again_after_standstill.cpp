@@ -1,15 +1,15 @@
-// Runs a test that lives in real time; where it fails, and the machine itself stood still for
-// longer than any such test can bear, runs it again when the machine is calm, a few times at most.
+// Runs a test that runs in real time. If it fails, and the machine itself stood still for longer
+// than any such test can bear, runs it again when the machine is calm, a few times at most.
 //
 //   again_after_standstill [--bear MS] COMMAND [ARGUMENT...]
 //
 // A virtual machine may lose a processor for tens of milliseconds, whatever runs on it at whatever
-// priority; and a kernel whose processors are all busy may not hand on what was written to a
-// terminal for a second, since its kworkers have no priority. Then a robot is stopped by its
-// guard, or told twice in one tick, and nothing is wrong with what is tested. Threads above
-// everything else, one on each processor and one on a terminal of their own, show that it was so.
-// A failure without a standstill is one, at the first run. Returns what the command returned last,
-// 128 + N where signal N ended it.
+// priority; and a kernel whose processors are all busy may take a second to pass on what was
+// written to a terminal, since its kworkers have no priority. Then a guard stops its robot, or a
+// robot gets two commands in one tick, although nothing is wrong with what is tested. Threads above
+// everything else, one on each processor and one on a separate terminal, show that it was so. A
+// failure without a standstill counts, at the first run. Returns what the command returned last,
+// 128 + N if signal N ended it.
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -53,13 +53,13 @@ void stood_still_since(Clock::time_point due) {
   while (late > longest && !longest_us.compare_exchange_weak(longest, late)) continue;
 }
 
-// Before all others, where that is allowed.
+// Runs before everything else, if that is allowed.
 void go_first() {
   const sched_param highest{.sched_priority = sched_get_priority_max(SCHED_FIFO)};
   (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &highest);
 }
 
-// How much later than asked a processor lets its first thread go on.
+// How much later than requested a processor lets its first thread continue.
 void watch_processor(unsigned processor) {
   cpu_set_t mine;
   CPU_ZERO(&mine);
@@ -73,7 +73,7 @@ void watch_processor(unsigned processor) {
   }
 }
 
-// How long a terminal takes to hand on a byte.
+// How long a terminal takes to pass a byte on.
 void watch_terminal(int master, int slave) {
   go_first();
   for (;;) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# again_after_standstill itself: what it repeats, how often, and what it leaves alone.
+# Tests again_after_standstill itself: what it repeats, how often, and what it leaves alone.
 # usage: self_test.sh PROGRAM
 set -euo pipefail
 

@@ -16,7 +16,7 @@ void add_line(CLI::App& command, const std::string& name, LineOptions& line,
   CLI::Option* number =
       command.add_option("--" + name + "-line", line.line, what + ": line by offset or name");
   number->group(kPinGroup);
-  // A chip without a line is a line forgotten.
+  // A chip without a line means that the line was forgotten.
   command.add_option("--" + name + "-chip", line.chip, "GPIO chip of that line, by label or name")
       ->group(kPinGroup)
       ->needs(number);

@@ -1,5 +1,5 @@
-// The options that say how a robot is wired: port, rate, pins; and the configuration file beneath
-// them.
+// The options that say how a robot is wired: port, rate, pins; and the configuration file that they
+// override.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct PinOptions {
   LineOptions power_sense{};
   LineOptions charging{};
   bool active_low = false;  // of the BRC line
-  bool open_drain = false;  // the same
+  bool open_drain = false;  // of the BRC line
   bool power_active_low = false;
 
   bool any_line() const { return brc.line || power.line || power_sense.line || charging.line; }
@@ -43,13 +43,13 @@ struct PinOptions {
 void add_port_options(CLI::App& command, PortOptions& options);
 void add_pin_options(CLI::App& command, PinOptions& options);
 
-// The configuration with the options on top. The rate is set, and one of the robot's.
+// The configuration, overridden by the options. The rate is set, and is one that the robot has.
 hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions& pins = {});
 
-// Keeps what configuration() reads from being written to.
+// Keeps the files that configuration() reads from being written to.
 void protect_config(const PortOptions& port, Outputs& outputs);
 
-// For a command that is no use without a port: prints what is missing, and says so.
+// For a command that needs a port: if there is none, prints what is missing and returns false.
 bool has_port(const hal::Config& config);
 
 }  // namespace cargobay::cli

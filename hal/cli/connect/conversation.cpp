@@ -16,15 +16,15 @@ namespace {
 
 using Wait = hal::ByteStream::Wait;
 
-constexpr std::chrono::milliseconds kSlice{20};  // at most so long until a signal is noticed
+constexpr std::chrono::milliseconds kSlice{20};  // longest time until a signal is noticed
 constexpr std::chrono::milliseconds kQuiet{
     40};  // longer than a tick: a paused stream is silent by then
 constexpr std::chrono::milliseconds kSettle{500};  // for a stream to end
-constexpr std::chrono::milliseconds kAnswer{400};  // beyond the time on the wire
+constexpr std::chrono::milliseconds kAnswer{400};  // on top of the time on the wire
 constexpr std::chrono::seconds kSendTimeout{2};
 constexpr std::size_t kQueuedBytes = 4096;  // at most, in the kernel
-constexpr std::size_t kUartFifo = 32;       // bytes that the driver counts as sent and are not
-constexpr std::size_t kLeastText = 4;       // characters that are not damage by chance
+constexpr std::size_t kUartFifo = 32;  // bytes that the driver counts as sent though they are not
+constexpr std::size_t kLeastText = 4;  // characters; fewer may be damage by chance
 
 }  // namespace
 
@@ -126,7 +126,7 @@ std::vector<std::uint8_t> Conversation::ask(std::span<const std::uint8_t> reques
   }
   (void)listen(asked_at_ + oi::kTick - port_.now());
   if (streaming) settle();
-  // What is held of a frame that was cut off would take the next one's beginning for its own.
+  // A partial frame still in the decoder would take the beginning of the next one for its own rest.
   while (decoder_.abandon() != oi::StreamDecoder::Outcome::nothing) {
   }
   take_text();

@@ -1,4 +1,4 @@
-// Commands to a robot and what comes back: replies, frames and text, each of them told apart.
+// Commands to a robot and what comes back: replies, frames and text, told apart.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@
 
 namespace cargobay::cli {
 
-// Prints the text that the robot writes by itself, and the frames once show_frames() was called.
+// Prints the text that the robot writes by itself and, after show_frames(), the frames.
 class Conversation {
  public:
   // Both outlive it.
   Conversation(hal::ByteStream& port, StopSignals& signals);
 
-  // False where the port did not take them within 2 s, or is gone.
+  // False if the port did not take them within 2 s, or is gone.
   [[nodiscard]] bool send(std::span<const std::uint8_t> bytes);
-  // Sends, and reads so many bytes: the reply, whole or as far as it came. A stream that runs is
-  // paused for it, as a reply has no frame to know it by. It waits until 15 ms after the last
-  // question: a robot is not asked more often (OI p. 13).
+  // Sends, then reads `reply_bytes`: the whole reply, or what has arrived of it. Pauses a running
+  // stream meanwhile, because a reply is not framed and could not be told from it. Waits until
+  // 15 ms after the last question: a robot must not be asked more often (OI p. 13).
   std::vector<std::uint8_t> ask(std::span<const std::uint8_t> request, std::size_t reply_bytes);
   // The bytes that follow a reply.
   std::vector<std::uint8_t> more_reply(std::size_t reply_bytes);
-  // Takes what comes for so long, or until a signal. False where the port is gone.
+  // Takes what comes for this long, or until a signal. False if the port is gone.
   bool listen(rt::Duration duration);
-  // All that was sent has left, then the port runs at the other rate, and 100 ms pass.
+  // Waits until everything has left, then changes the rate of the port and waits 100 ms.
   [[nodiscard]] bool change_baud(std::uint32_t baud);
-  // What is left of a line of text.
+  // Prints the rest of a line of text.
   void end_text();
 
   void show_frames() { frames_shown_ = true; }
@@ -43,12 +43,12 @@ class Conversation {
   bool hung_up() const { return hung_up_; }
   // The signal that came, if any.
   std::optional<int> signal() const { return signal_; }
-  // From here on signals do not end anything: for the stop.
+  // From here on signals end nothing: for the stop.
   void ignore_signals() { signals_ignored_ = true; }
 
  private:
   bool interrupted();
-  // Waits for it, as long as it takes at the rate.
+  // Waits for it, as long as that takes at this rate.
   bool all_left();
   void take(std::uint8_t byte);
   void take_text();
@@ -66,7 +66,7 @@ class Conversation {
   bool hung_up_ = false;
   bool signals_ignored_ = false;
   std::optional<int> signal_{};
-  rt::TimePoint asked_at_{};  // last
+  rt::TimePoint asked_at_{};  // the last time
 };
 
 }  // namespace cargobay::cli

@@ -5,7 +5,7 @@
 namespace cargobay::cli {
 
 std::vector<hal::Finding> examine(const std::string& port, const rt::RealtimeRequest& rights) {
-  // Rights are known only once they have been asked for.
+  // Only asking for the rights shows whether they are granted.
   rt::RealtimeThread thread;
   rt::RealtimeGrant grant = thread.start(rights, [] {});
   thread.join();

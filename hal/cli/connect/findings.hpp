@@ -1,4 +1,4 @@
-// What hal/doctor/doctor.hpp found, for the commands that tell of it.
+// The findings of hal/doctor/doctor.hpp, for the commands that report them.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace cargobay::cli {
 
-// hal::examine() with the rights that the kernel gives when asked for them. Starts a thread and
-// waits for it.
+// hal::examine() with the rights that the kernel grants when asked. Starts a thread and waits for
+// it.
 std::vector<hal::Finding> examine(const std::string& port, const rt::RealtimeRequest& rights);
 
-// A JSON array, an object each.
+// A JSON array of objects.
 std::string json(const std::vector<hal::Finding>& findings);
 
 }  // namespace cargobay::cli

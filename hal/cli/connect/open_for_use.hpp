@@ -10,7 +10,7 @@
 
 namespace cargobay::cli {
 
-// As hal::open_port(); what will disturb a loop on it is printed.
+// Like hal::open_port(), but also prints what will disturb a loop on this port.
 hal::Result<std::unique_ptr<hal::ByteStream>> open_for_use(const std::string& path,
                                                            std::uint32_t baud);
 

@@ -24,8 +24,8 @@ struct Plant {
   hal::sim::Server* server() const { return create ? &create->server() : nullptr; }
 };
 
-// A virtual Create where the configuration names no port; its thread gets a real-time priority
-// above ordinary work and below the loop's, which is `priority`. Pins without a port are a failure.
+// A virtual Create if the configuration names no port; its thread gets a real-time priority above
+// ordinary work and below the loop's, which is `priority`. Pins without a port are a failure.
 hal::Result<Plant> find_plant(const hal::Config& config, const PinOptions& pins,
                               const SimOptions& sim, int priority);
 

@@ -23,7 +23,7 @@ hal::Result<PlannedFault> parse_fault(std::string_view text) {
     rest = words;
   }
   fault.command = rest;
-  // Tried on a robot of its own, the only one who knows what makes sense.
+  // Tried on a separate robot: only the robot knows which arguments make sense.
   hal::sim::Device device{{}};
   hal::sim::Cable cable{device};
   const std::string problem = hal::sim::apply_fault(fault.command, cable);

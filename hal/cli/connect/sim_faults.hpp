@@ -1,4 +1,4 @@
-// The faults that `cargobay sim --fault` names: at once, or some time after the robots are served.
+// The faults that `cargobay sim --fault` names: at once, or some time after serving has begun.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 namespace cargobay::cli {
 
 struct PlannedFault {
-  rt::Duration after{0};  // zero: before anybody can open the port
-  std::string command;    // of hal/sim/remote/fault_command.hpp
+  rt::Duration after{0};  // zero: before any client can open the port
+  std::string command;    // as in hal/sim/remote/fault_command.hpp
 };
 
-// "[at SECONDS] NAME [ARGUMENTS]". A failure says what would be right.
+// "[at SECONDS] NAME [ARGUMENTS]". A failure says what is valid.
 hal::Result<PlannedFault> parse_fault(std::string_view text);
 
-// All faults and what they take, a line each.
+// All faults and their arguments, one per line.
 std::string list_faults();
 
 }  // namespace cargobay::cli

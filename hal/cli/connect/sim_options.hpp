@@ -23,7 +23,7 @@ struct SimOptions {
 
 // `options` outlives the parsing.
 void add_sim_options(CLI::App& app, SimOptions& options);
-// After the parsing.
+// Call it after the parsing.
 hal::sim::Parameters parameters(const SimOptions& options);
 
 }  // namespace cargobay::cli

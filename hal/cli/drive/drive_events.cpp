@@ -18,7 +18,7 @@ double robot_time_s(std::int64_t tick) {
   return static_cast<double>(tick) * rt::seconds(oi::kTick);
 }
 
-constexpr unsigned kBits = 8;  // of a set
+constexpr unsigned kBits = 8;  // of a bit set
 
 Json names(hal::Hazards hazards) {
   Json names = Json::array();
@@ -29,7 +29,7 @@ Json names(hal::Hazards hazards) {
   return names;
 }
 
-// Of the bits that are set in a packet's byte.
+// The names of the bits that are set in a packet's byte.
 Json names(oi::PacketId packet, std::uint8_t bits) {
   Json names = Json::array();
   for (unsigned bit = 0; bit < kBits; ++bit) {

@@ -10,11 +10,11 @@
 
 namespace cargobay::cli {
 
-// "  12.345 s  a cliff ...", with its end of line; the time is the robot's.
+// "  12.345 s  a cliff ...", with a newline; the time is the robot's.
 std::string line(const hal::Event& event);
 
-// A JSON array. `states`: of the whole drive, in order. An event carries those of the ticks around
-// it, except where frames were lost: on a bad line that is too many.
+// A JSON array. `states`: of the whole drive, in order. Each event carries the states of the ticks
+// around it, except for lost frames: on a bad line those events are too many.
 std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states);
 
 }  // namespace cargobay::cli

@@ -1,5 +1,4 @@
-// The links of one drive: where the port is lost and comes back the drive goes on, and this is what
-// all of it adds up to.
+// The links of one drive: if the port is lost and comes back, the drive goes on. This sums them up.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +14,18 @@
 
 namespace cargobay::cli {
 
-// Collects what each cycle and the virtual Create tell. The ticks go on from link to link, as if
-// there had been none between.
+// Collects what each cycle and the virtual Create report. Ticks are counted on from link to link,
+// as if there had been no gap.
 class DriveLinks {
  public:
-  // `server` may be null, and outlives this.
+  // `server` may be null; it must outlive this.
   explicit DriveLinks(hal::sim::Server* server) : server_{server} {}
 
-  // `robot`, which has just been started, is followed until end_link().
+  // Follows `robot`, which has just been started, until end_link().
   void begin_link(hal::Robot& robot);
-  // Takes what is there; now and then, while it runs.
+  // Takes what has arrived; call it now and then while the robot runs.
   void collect();
-  // It has run, and is still there.
+  // Call it when the robot has stopped running, before it is destroyed.
   void end_link();
 
   std::int64_t ticks() const { return states_.empty() ? 0 : states_.back().tick; }
@@ -40,7 +39,7 @@ class DriveLinks {
   const rt::Histogram& period_ns() const { return period_ns_; }
   const rt::Histogram& frame_to_command_ns() const { return frame_to_command_ns_; }
   int reconnects() const { return reconnects_; }
-  // From the last frame of a link to the start of the next: of all of them, and of the latest.
+  // From the last frame of a link to the start of the next: in total, and for the latest gap.
   rt::Duration without() const { return without_; }
   rt::Duration latest_without() const { return latest_without_; }
 
@@ -58,7 +57,7 @@ class DriveLinks {
   std::uint64_t refused_controls_ = 0;
   rt::Histogram period_ns_{};
   rt::Histogram frame_to_command_ns_{};
-  int reconnects_ = -1;  // the first link is none
+  int reconnects_ = -1;  // the first link does not count
   rt::Duration without_{0};
   rt::Duration latest_without_{0};
 };

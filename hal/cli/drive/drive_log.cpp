@@ -30,7 +30,7 @@ class Mean {
   int count_ = 0;
 };
 
-// Stretches of one set speed, each judged by its mean error once it has settled.
+// Stretches of one set speed, each judged by its mean error once the speed has settled.
 Mean steady_squares(const std::vector<DriveSample>& samples, Member wheel) {
   Mean squares;
   Mean stretch;

@@ -1,5 +1,4 @@
-// What `cargobay drive` is told: its options, whether they make sense, and what they mean for the
-// robot.
+// The options of `cargobay drive`: whether they make sense, and what they mean for the robot.
 #pragma once
 
 #include <optional>
@@ -43,16 +42,16 @@ struct DriveOptions {
 // `options` outlives the parsing.
 void add_drive_options(CLI::App& command, DriveOptions& options);
 
-// What can be wrong with the values, found before anything moves.
+// Looks for invalid values before anything moves.
 std::optional<hal::Failure> check(const DriveOptions& options);
 
-// Its files, opened.
+// Opens the files that the options name.
 std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs);
 
-// --reconnect as a number: not a number where it is none, 0 where it was not given.
+// --reconnect as a number: NaN if it is not one, 0 if it was not given.
 double reconnect_s(const DriveOptions& options);
 
-// The robot as options and configuration want it; without its pins.
+// The robot as options and configuration want it, but without its pins.
 hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config);
 
 }  // namespace cargobay::cli

@@ -47,7 +47,7 @@ std::string rights(const rt::RealtimeGrant& grant) {
   return out;
 }
 
-// What is well goes without saying.
+// Says nothing of what is in order.
 void put_findings(std::string& out, const std::vector<hal::Finding>& findings) {
   for (const hal::Finding& finding : findings) {
     if (finding.verdict == hal::Finding::Verdict::good) continue;

@@ -32,9 +32,9 @@ struct DriveReport {
   DriveFigures figures{};
   const rt::Histogram* period_ns = nullptr;            // borrowed
   const rt::Histogram* frame_to_command_ns = nullptr;  // borrowed
-  int reconnects = 0;                                  // the port came back so often
-  rt::Duration without_link{0};                        // in all
-  std::vector<hal::Finding> findings{};                // of the machine, before the drive
+  int reconnects = 0;                                  // how often the port came back
+  rt::Duration without_link{0};                        // in total
+  std::vector<hal::Finding> findings{};                // about the machine, before the drive
 };
 
 std::string name(rt::RemainderBelief belief);

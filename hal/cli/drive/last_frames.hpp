@@ -8,8 +8,8 @@
 
 namespace cargobay::cli {
 
-// One line an exchange, the times counted back from the last; waits in which nothing came are
-// drawn together. Empty where there are none.
+// One line per exchange, the times counted back from the last one; consecutive waits in which
+// nothing came are merged. Empty if there are no exchanges.
 std::string last_frames_table(std::span<const hal::Exchange> exchanges);
 
 }  // namespace cargobay::cli

@@ -18,7 +18,7 @@ namespace {
 using Piece = Profile::Piece;
 
 constexpr double kSquareSideMm = 500.0;
-// Per wheel: turning in place by a right angle.
+// For each wheel: turning in place by a right angle.
 constexpr double kQuarterTurnMm = oi::kWheelBaseMm * std::numbers::pi / 4.0;
 
 rt::WheelSpeeds both(double speed_mm_s) { return {speed_mm_s, speed_mm_s}; }

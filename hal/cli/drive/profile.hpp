@@ -22,10 +22,10 @@ class Profile {
   // named ones use `speed_mm_s`.
   static hal::Result<Profile> load(const std::string& name_or_file, double speed_mm_s);
 
-  // Whether it is one of those, and no file.
+  // Whether it is one of those names, not a file.
   static bool is_named(std::string_view name_or_file);
 
-  // Speeds at that time; the pieces repeat without end. For the control thread.
+  // Speeds at that time; the profile repeats endlessly. For the control thread.
   rt::WheelSpeeds at(double seconds) const CARGOBAY_NONBLOCKING;
   double period_s() const { return period_s_; }
 

@@ -39,7 +39,7 @@ struct Range {
   }
 };
 
-// 1, 2 or 5 times a power of ten, so that about `count` of them fill the range.
+// 1, 2 or 5 times a power of ten, such that about `count` steps fill the range.
 double nice_step(double range, int count) {
   const double rough = range / count;
   const double magnitude = std::pow(10.0, std::floor(std::log10(rough)));
@@ -100,7 +100,7 @@ class Panel {
     labels_.push_back({y(curve.value(samples.back())), curve.label, curve.color});
   }
 
-  // At the right end of its curve, moved just so far that no two overlap.
+  // At the right end of its curve, moved just enough that no two labels overlap.
   void write_labels() {
     constexpr double kLine = 17.0;
     std::sort(labels_.begin(), labels_.end(),

@@ -28,7 +28,7 @@ Moments moments(const ChannelSummary& channel) {
   return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
 }
 
-// Of one channel's column: counts by bucket, and what does not fit.
+// The column of one channel: counts by bucket, and overflows.
 struct Column {
   std::vector<std::uint64_t> counts;
   std::uint64_t overflows = 0;
@@ -58,7 +58,7 @@ std::string hgrm(const ChannelSummary& channel) {
   std::uint64_t total = 0;
   for (const auto& [value, count] : channel.buckets) total += count;
   std::uint64_t seen = 0;
-  // HdrHistogram halves the rest of the way to 100 % after every five lines.
+  // HdrHistogram halves the distance left to 100 % after every five lines.
   double next = 0.0;
   for (const auto& [value, count] : channel.buckets) {
     seen += count;

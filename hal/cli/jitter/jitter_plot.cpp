@@ -22,7 +22,7 @@ constexpr double kPageGap = 76.0;
 constexpr double kPageBottom = 58.0;
 constexpr double kFromUs = 0.1;
 
-// Colours and dashes that are told apart in print and by those who see no red or green.
+// Colours and dashes that differ in print and to the colour-blind.
 struct Style {
   const char* color;
   const char* dash;
@@ -56,7 +56,7 @@ Scale scale_of(const std::vector<ChannelCurve>& curves) {
   return {std::floor(low), std::max(std::ceil(high), std::floor(low) + 1.0)};
 }
 
-// Whole numbers, each so manieth.
+// Whole numbers, every `step`-th.
 std::vector<double> decades(double low, double high, int step) {
   std::vector<double> all;
   for (int i = static_cast<int>(low); i <= static_cast<int>(high); i += step) all.push_back(i);
@@ -94,7 +94,7 @@ class Drawing {
     const ChannelCurve* curve = nullptr;
   };
 
-  // Of a share above: 0 at the median's left end, one step for each further nine.
+  // x of a share above: 0 at the left end, for the median, and one step for each further nine.
   double nines_x(double share_above) const {
     const double nines = std::clamp(-std::log10(share_above), 0.0, nines_);
     return kPageLeft + nines / nines_ * (kPageWidth - kPageLeft - kPageRight);
@@ -136,7 +136,7 @@ class Drawing {
     put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">share of the frames</text>)",
         (kPageLeft + kPageWidth - kPageRight) / 2, kPageTop + kCurveHeight + 38);
   }
-  // Returns where it ends.
+  // Returns the end of the curve.
   double draw_curve(const ChannelCurve& curve) {
     const auto total = static_cast<double>(curve.channel->figures.count);
     std::string points;
@@ -211,7 +211,7 @@ class Drawing {
     return last_y;
   }
 
-  // At the right, as near to the end of its curve as the others let it, joined to nothing.
+  // At the right, as close to the end of its curve as the other labels allow, with no leader line.
   void write_labels(std::vector<Label>& labels, double top, double height) {
     constexpr double kLine = 17.0;
     std::ranges::sort(labels, {}, &Label::y);

@@ -8,8 +8,8 @@
 
 namespace cargobay::cli {
 
-// Above the percentile curve of each channel, latency over how rare it is; below the histograms;
-// both logarithmic, labelled at the curves. With several runs, each channel of each.
+// Above, the percentile curve of each channel, latency over rarity; below, the histograms; both
+// logarithmic, labelled at the curves. With several runs, every channel of every run.
 std::string jitter_plot(const std::vector<JitterSummary>& runs, const std::string& title);
 
 }  // namespace cargobay::cli

@@ -60,9 +60,9 @@ const Measured* find(const hal::jitter::Run& run, std::string_view name) {
   return nullptr;
 }
 
-constexpr int kLeastDraws = 20;  // below that an interval says nothing
+constexpr int kLeastDraws = 20;  // with fewer, an interval says nothing
 
-// As many as take about 0.1 s.
+// As many draws as take about 0.1 s.
 int hurried_draws(std::uint64_t frames) {
   constexpr std::uint64_t kFrames = 10'000'000;
   return static_cast<int>(

@@ -1,4 +1,4 @@
-// What a run of `cargobay jitter` found, as it is told, written, and read again.
+// The results of a run of `cargobay jitter`, as they are printed, written, and read back.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct Percentiles {
 
 struct ChannelSummary {
   std::string name{};
-  std::string headline{};  // the stage whose figures stand here
+  std::string headline{};  // the stage that these figures are of
   std::uint64_t period_ns = 0;
   std::uint64_t frames = 0;
   std::uint64_t missed = 0;
@@ -40,7 +40,7 @@ struct ChannelSummary {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> slices{};       // p50 and p99 of each
 };
 
-// Of two channels' headlines, as measured.
+// The ratio of two channels' headlines, as measured.
 struct RatioSummary {
   std::string over{};
   std::string under{};
@@ -49,13 +49,13 @@ struct RatioSummary {
 };
 
 struct JitterSummary {
-  std::string label{};  // the file it was read from; empty for one's own
+  std::string label{};  // the file it was read from; empty for this run
   std::string link{};   // "virtual Create", a port, or empty
   double seconds = 0.0;
   bool fifo = false;
   int priority = 0;
   bool memory_locked = false;
-  std::string load{};  // as asked for; empty for none
+  std::string load{};  // as requested; empty for none
   hal::jitter::Conditions conditions{};
   hal::jitter::Usage usage{};
   std::vector<ChannelSummary> channels{};
@@ -64,16 +64,17 @@ struct JitterSummary {
   const ChannelSummary* channel(std::string_view name) const;
 };
 
-// full: takes about a second for each ratio, and longer after hours. hurried, as somebody waits for
-// the end: a second for all, with wider intervals and without ratios of more than 500 000 frames.
+// full: takes about a second per ratio, and longer after hours of measuring. hurried, when a user
+// waits for the end: a second for everything, with wider intervals and without ratios of more than
+// 500 000 frames.
 enum class Care : std::uint8_t { full, hurried };
 JitterSummary summarise(const hal::jitter::Run& run, Care care);
 
-// Of one channel in both, from its slices' percentiles.
+// Compares one channel in both runs, from the percentiles of its slices.
 hal::jitter::Estimate compare(const ChannelSummary& a, const ChannelSummary& b, double percent);
 
 std::string json(const JitterSummary& summary);
-// Fails, and says why, where the text is not what json() writes.
+// Fails, and says why, if the text is not what json() writes.
 hal::Result<JitterSummary> read_jitter(const std::string& text, const std::string& label);
 
 }  // namespace cargobay::cli

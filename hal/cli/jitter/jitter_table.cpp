@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kColumns = 28;
 
-// What the headline of a channel is, in words.
+// The headline of a channel, in words.
 std::string_view what(const ChannelSummary& channel) {
   if (channel.headline == "woken") return "due to awake";
   return channel.name == "robot" ? "frame to command written" : "frame to answer written";
@@ -37,7 +37,7 @@ Decades decades(const std::vector<ChannelSummary>& channels) {
   return {low, std::max(std::log10(static_cast<double>(most)), low + 0.1)};
 }
 
-// Each column a share of the values, the height by its logarithm: one in a thousand is seen too.
+// Each column shows a share of the values, its height logarithmic, so that one in a thousand shows.
 std::string histogram(const ChannelSummary& channel, const Decades& range, Bars bars) {
   std::array<double, kColumns> columns{};
   for (const auto& [value, count] : channel.buckets) {
@@ -141,7 +141,7 @@ void put_conditions(std::string& out, const JitterSummary& summary) {
 }  // namespace
 
 Bars bars_of_locale() {
-  // No other thread of the command looks at the locale.
+  // No other thread of the command uses the locale.
   std::setlocale(LC_CTYPE, "");                       // NOLINT(concurrency-mt-unsafe): see above
   const std::string_view set = nl_langinfo(CODESET);  // NOLINT(concurrency-mt-unsafe): see above
   return set == "UTF-8" || set == "utf8" ? Bars::blocks : Bars::ascii;

@@ -8,12 +8,12 @@
 namespace cargobay::cli {
 
 enum class Bars : std::uint8_t { blocks, ascii };
-// Blocks where the locale's character set has them.
+// Block characters if the locale's character set has them.
 Bars bars_of_locale();
 
-// Headline, a row a channel with a small histogram, stages, ratios, conditions.
+// Headline, one row per channel with a small histogram, stages, ratios, conditions.
 std::string table(const JitterSummary& summary, Bars bars);
-// Each channel of all of them, against the first.
+// Each channel of every run, compared with the first run.
 std::string comparison(const std::vector<JitterSummary>& all);
 
 }  // namespace cargobay::cli

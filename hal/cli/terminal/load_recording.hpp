@@ -1,4 +1,4 @@
-// Reads the file of a recording for the commands that use one.
+// Reads a recording for the commands that use one.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 namespace cargobay::cli {
 
 struct LoadedRecording {
-  std::vector<std::uint8_t> file{};  // what `recording` points into
+  std::vector<std::uint8_t> file{};  // the bytes that `recording` refers to
   hal::Recording recording;
 };
 
-// `-` is standard input. What is missing in the file, but stops nothing, is remarked on.
+// `-` is standard input. Prints a remark about anything missing in the file that is not fatal.
 hal::Result<LoadedRecording> load_recording(const std::string& path);
 
 }  // namespace cargobay::cli

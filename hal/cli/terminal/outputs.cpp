@@ -34,7 +34,7 @@ std::optional<hal::Failure> Outputs::open(std::string key, const std::string& pa
     if (!file) return file.failure();
     entry.place = file->place();
     entry.file.emplace(std::move(*file));
-    // What is printed goes on after the file was replaced: to one without a name.
+    // After the file is replaced, printed output would still go to the old one, which has no name.
     const bool replaced = entry.place.folder.has_value();
     const bool printed = same_file(entry.place, hal::place_of(STDOUT_FILENO)) ||
                          same_file(entry.place, hal::place_of(STDERR_FILENO));
@@ -75,7 +75,7 @@ std::optional<hal::Failure> Outputs::write(std::string_view key, std::string_vie
     return std::nullopt;
   }
   if (auto failure = entry->file->write(text)) return failure;
-  // What is edited was there before, and is not to be lost where the power goes.
+  // An edited file existed before, and must not be lost if the power fails.
   if (entry->use == Use::edit) entry->file->sync();
   return entry->file->publish();
 }

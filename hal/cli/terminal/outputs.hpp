@@ -1,4 +1,4 @@
-// The files that one command was told to write, beside those that it reads.
+// The files that one command was told to write, besides those that it reads.
 #pragma once
 
 #include <optional>
@@ -11,22 +11,22 @@
 
 namespace cargobay::cli {
 
-// Opens them all before the command does anything else, and refuses what would destroy something:
-// two names of one file, a file that is read, a port (hal/file/output_file.hpp has the whole rule).
-// An empty path, an option that was not given, is nothing to it.
+// Opens all of them before the command does anything else, and refuses what would destroy
+// something: two names of one file, a file that is read, a port (hal/file/output_file.hpp has the
+// whole rule). Ignores an empty path, which is an option that was not given.
 class Outputs {
  public:
-  // A file that none of them may be; `what` is its name in messages: "the configuration". "-" is
-  // standard input.
+  // Registers a file that none of the outputs may be; `what` is its name in messages: "the
+  // configuration". "-" is standard input.
   void protect(std::string what, const std::string& path);
-  // "-" is standard output. `key` is the option, as write() and take() have it.
+  // "-" is standard output. `key` is the option, as passed to write() and take().
   [[nodiscard]] std::optional<hal::Failure> open(std::string key, const std::string& path);
-  // A file that is read and then written: it may be among the protected ones.
+  // For a file that is read and then written: it may be one of the protected ones.
   [[nodiscard]] std::optional<hal::Failure> open_to_edit(std::string key, const std::string& path);
 
-  // Whole or not at all, where it was opened.
+  // Writes everything or nothing; ignored if the file was not opened.
   [[nodiscard]] std::optional<hal::Failure> write(std::string_view key, std::string_view text);
-  // For what is written little by little. Nothing where it was not opened.
+  // For output that is written piece by piece. Nothing if the file was not opened.
   std::optional<hal::OutputFile> take(std::string_view key);
 
  private:

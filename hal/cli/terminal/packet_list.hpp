@@ -10,7 +10,7 @@
 
 namespace cargobay::cli {
 
-// At least one packet; a failure names the word that is none.
+// At least one packet; a failure names the word that is not a packet.
 hal::Result<std::vector<oi::PacketId>> read_packet_list(const std::string& text);
 
 }  // namespace cargobay::cli

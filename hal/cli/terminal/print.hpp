@@ -1,13 +1,13 @@
-// Where the command's words go.
+// Where the command prints its messages.
 #pragma once
 
 #include <string_view>
 
 namespace cargobay::cli {
 
-// One line to standard error, behind the program's name.
+// Prints one line to standard error, after the program's name.
 void print_error(std::string_view message);
-// The same, for what is worth knowing but stops nothing.
+// The same, for remarks that stop nothing.
 void print_remark(std::string_view message);
 bool stdout_is_terminal();
 

@@ -11,7 +11,7 @@ namespace {
 
 using oi::PacketId;
 
-// What a packet that is a code means; empty for one that is a number or bits.
+// The meaning of a packet that is a code; empty if it is a number or bits.
 std::string_view code_name(PacketId packet, const oi::SensorValues& values) {
   switch (packet) {
     case PacketId::charging_state: return oi::name(values.charging_state());

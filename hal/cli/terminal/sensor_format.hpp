@@ -9,14 +9,14 @@
 
 namespace cargobay::cli {
 
-// The single packets of a list, its groups opened, in order.
+// The single packets of a list, its groups expanded, in order.
 std::vector<oi::PacketId> singles(const std::vector<oi::PacketId>& packets);
 // `16254 mV`, `3 (left, right)`, `safe`.
 std::string text(oi::PacketId packet, const oi::SensorValues& values);
-// One JSON object without line breaks: raw numbers by their keys; beside them `<key>_name` for a
+// One JSON object without line breaks: raw numbers by their keys; in addition `<key>_name` for a
 // code and `<key>_names` for bits.
 std::string json_line(const std::vector<oi::PacketId>& packets, const oi::SensorValues& values);
-// A line for each single packet.
+// One line per single packet.
 std::string lines(const std::vector<oi::PacketId>& packets, const oi::SensorValues& values);
 
 }  // namespace cargobay::cli

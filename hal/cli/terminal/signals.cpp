@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kGrace{1500};
 
-// What the thread and the rest of the process share. Never destroyed: the thread watches over all
-// that main() does behind a command too, and so nobody can join it.
+// What the thread shares with the rest of the process. Never destroyed: the thread keeps watching
+// after the command, until main() has ended, so nothing can join it.
 struct Shared {
   sigset_t signals{};
   std::mutex mutex{};
@@ -44,7 +44,7 @@ void publish(int signal) {
   all.news.notify_all();
 }
 
-// Not by way of stdio, which may be what is blocked.
+// Not through stdio, which may be what is blocked.
 void say_why() {
   constexpr std::string_view kWhy =
       "cargobay: error: ended by force 1.5 s after it was told to end: what it reads or "
@@ -68,9 +68,9 @@ void* take(void* set) {
   _exit(kSignalled + first);
 }
 
-// False where it is refused.
+// False if the system refuses.
 bool start_taking(sigset_t& signals) {
-  constexpr std::size_t kStackBytes = std::size_t{128} << 10U;  // locked with the rest, maybe
+  constexpr std::size_t kStackBytes = std::size_t{128} << 10U;  // may be locked with the rest
   pthread_attr_t attributes{};
   pthread_attr_init(&attributes);
   pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
@@ -87,7 +87,7 @@ StopSignals::StopSignals(std::initializer_list<int> more) {
   sigemptyset(&signals_);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&signals_, signal);
   for (const int signal : more) sigaddset(&signals_, signal);
-  // Under nohup the terminal may go away; blocked, its signal would be waited for all the same.
+  // Under nohup the terminal may go away; a blocked SIGHUP would still be waited for and taken.
   struct sigaction hang_up{};
   if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler == SIG_IGN)
     sigdelset(&signals_, SIGHUP);

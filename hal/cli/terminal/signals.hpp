@@ -11,28 +11,28 @@
 
 namespace cargobay::cli {
 
-// One a process. From the first of them to its end it has 1.5 s, in whatever it is blocked then: a
-// thread, which lasts as long as the process, ends it by `_exit(128 + signal)`. A robot that is
-// left so is its guard's.
+// One per process. After the first signal the process has 1.5 s to end, whatever it is blocked in:
+// then a thread, which lasts as long as the process, ends it by `_exit(128 + signal)`. A robot left
+// running by that is stopped by its guard.
 class StopSignals {
  public:
-  // Blocks them, and `more`, for this thread and every thread started after. SIGPIPE is ignored
-  // from here on: that nobody reads our output any more ends nothing halfway.
+  // Blocks them, and `more`, for this thread and every thread started later. Ignores SIGPIPE from
+  // here on: a reader that goes away must not end anything halfway.
   StopSignals(std::initializer_list<int> more = {});
 
-  // The signal that came, each once; nothing where none came for that long.
+  // The signal that came, each one once; nothing if none came in that time.
   std::optional<int> wait(rt::Duration timeout);
   // Whether any has come. Any thread.
   static bool came();
 
  private:
   sigset_t signals_{};
-  bool threaded_ = false;  // where no thread could be made, wait() takes them itself
+  bool threaded_ = false;  // if no thread could be made, wait() takes them itself
 };
 
-// While it lives, the first of the signals also does this, by the thread that takes it: for what
-// must not wait until this thread is done with what it prints or writes. One at a time; it is
-// short, and locks nothing.
+// While it lives, the thread that takes the first of the signals also calls this: for what must not
+// wait until this thread has finished printing or writing. One at a time; the function is short and
+// takes no lock.
 class AtFirstSignal {
  public:
   explicit AtFirstSignal(std::function<void()> act);

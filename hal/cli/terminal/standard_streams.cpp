@@ -20,7 +20,7 @@ namespace {
 
 struct Stream {
   int descriptor = -1;
-  std::atomic<int> error{0};  // errno of the first write that failed; from there on nothing is
+  std::atomic<int> error{0};  // errno of the first write that failed; nothing is written after it
 };
 
 Stream& output() {
@@ -34,14 +34,14 @@ Stream& error_output() {
 
 // 0, or errno.
 int write_all(int descriptor, const char* bytes, std::size_t size) {
-  constexpr int kLookMs = 50;  // at most so long until a signal is noticed
+  constexpr int kLookMs = 50;  // longest time until a signal is noticed
   while (size > 0) {
     const bool stops = StopSignals::came();
     pollfd waited{.fd = descriptor, .events = POLLOUT, .revents = 0};
     const int ready = poll(&waited, 1, stops ? 0 : kLookMs);
     if (ready == 0 && stops) return ECANCELED;
     if (ready <= 0) continue;
-    // So many never block a pipe that can be written at all.
+    // This many never block on a pipe that is ready for writing.
     const ssize_t count = write(descriptor, bytes, std::min<std::size_t>(size, PIPE_BUF));
     if (count < 0 && errno != EINTR && errno != EAGAIN) return errno;
     if (count <= 0) continue;
@@ -51,7 +51,7 @@ int write_all(int descriptor, const char* bytes, std::size_t size) {
   return 0;
 }
 
-// Says that all was written, whatever came of it: fmt would throw.
+// Claims that everything was written, whatever happened: fmt would throw otherwise.
 ssize_t write_some(void* cookie, const char* bytes, std::size_t size) {
   auto& stream = *static_cast<Stream*>(cookie);
   if (stream.error.load(std::memory_order_relaxed) == 0)
@@ -63,7 +63,7 @@ void rely_on(std::FILE*& file, Stream& stream, int buffering) {
   cookie_io_functions_t functions{};
   functions.write = &write_some;
   std::FILE* const better = fopencookie(&stream, "w", functions);
-  if (better == nullptr) return;  // no memory: as it was
+  if (better == nullptr) return;  // no memory: stays as it was
   (void)std::setvbuf(better, nullptr, buffering, BUFSIZ);
   file = better;
 }
@@ -73,15 +73,15 @@ void rely_on(std::FILE*& file, Stream& stream, int buffering) {
 bool open_standard_descriptors() {
   for (const int wanted : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(wanted, F_GETFD) >= 0) continue;
-    // Its use fails, as that of the closed one would.
+    // Using it fails, just as using the closed one would.
     const int opened = open("/dev/null", wanted == STDIN_FILENO ? O_WRONLY : O_RDONLY);
-    if (opened != wanted) return false;  // the lowest that is free
+    if (opened != wanted) return false;  // open() returns the lowest free number
   }
   return true;
 }
 
 void rely_on_standard_streams() {
-  (void)std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file's size is an error; cannot fail
+  (void)std::signal(SIGXFSZ, SIG_IGN);  // too large a file becomes an error; cannot fail
   rely_on(stdout, output(), isatty(STDOUT_FILENO) == 1 ? _IOLBF : _IOFBF);
   rely_on(stderr, error_output(), _IONBF);
 }

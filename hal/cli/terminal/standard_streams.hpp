@@ -1,18 +1,18 @@
-// Standard input, output and error as the command can rely on them.
+// Makes standard input, output and error reliable for the command.
 #pragma once
 
 #include <system_error>
 
 namespace cargobay::cli {
 
-// First of all in main(). Where one of the descriptors 0 to 2 is closed, no port or file of ours
-// may get its number: it becomes one that can be neither read nor written. False where even that
-// cannot be done.
+// First of all in main(). If one of the descriptors 0 to 2 is closed, no port or file of ours may
+// get its number: it is opened such that it can be neither read nor written. False if even that
+// fails.
 [[nodiscard]] bool open_standard_descriptors();
 
-// After that: what is printed to stdout and stderr never throws, and never holds a signal up. Where
-// it cannot be written the rest is dropped, and output_error() says why; a pipe or terminal that
-// takes nothing is waited for until one of StopSignals' comes.
+// Call it next. From then on printing to stdout and stderr never throws, and never delays a signal.
+// If output cannot be written, the rest is dropped and output_error() says why; a pipe or terminal
+// that takes nothing is waited for until one of the StopSignals comes.
 void rely_on_standard_streams();
 
 // What went wrong with standard output, if anything did. Any thread.

@@ -14,7 +14,7 @@
 namespace cargobay::cli {
 namespace {
 
-// The line with the place, and a caret under it.
+// Prints the line in question, and a caret under the place.
 void print_place(std::string_view text, const oi::TextError& error) {
   const std::size_t position = std::min(error.position, text.size());
   const std::size_t line_begin = position == 0 ? 0 : text.rfind('\n', position - 1) + 1;
@@ -88,7 +88,7 @@ hal::Result<std::string> joined_words(const CLI::App& command) {
 }
 
 std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text) {
-  // No command is longer in bytes than in characters.
+  // A command never has more bytes than characters.
   std::vector<std::uint8_t> bytes(text.size());
   const oi::TextResult result = oi::encode_text(text, bytes);
   if (result.error) {
@@ -112,7 +112,7 @@ hal::Result<std::vector<std::uint8_t>> read_bytes(std::string_view text, Base ba
   for (std::size_t begin = text.find_first_not_of(kBetween); begin != std::string_view::npos;) {
     const std::size_t end = std::min(text.find_first_of(kBetween, begin), text.size());
     std::string_view run = text.substr(begin, end - begin);
-    // \x89\xff is a byte, and a byte.
+    // \x89\xff is two bytes.
     const std::size_t next = run.find("\\x", 1);
     if (next != std::string_view::npos) run = run.substr(0, next);
     if (!read_run(run, base, bytes)) return no_byte(run, base);

@@ -1,4 +1,4 @@
-// The words behind a command's options: commands as text, bytes as text.
+// The words after a command's options: commands as text, bytes as text.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ namespace cargobay::cli {
 
 // Lets the command take words that look like options, such as -200. `name` is for its help.
 void take_words(CLI::App& command, const std::string& name, const std::string& description);
-// The words joined by spaces; standard input where there are none, or `-`. Fails for what looks
-// like an option and is none, and where standard input is a terminal.
+// The words joined by spaces; standard input if there are none, or for `-`. Fails for a word that
+// looks like an option but is not, and if standard input is a terminal.
 hal::Result<std::string> joined_words(const CLI::App& command);
 
-// The commands' bytes; nothing where the text is wrong or empty: then the user has been told, with
+// The commands' bytes; nothing if the text is wrong or empty: then this has printed an error, with
 // a caret under the place.
 std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text);
 
@@ -31,7 +31,7 @@ std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text
 enum class Base : std::uint8_t { hexadecimal, decimal };
 hal::Result<std::vector<std::uint8_t>> read_bytes(std::string_view text, Base base);
 
-// As hal::read_input(), or of standard input for `-`; the message of a failure is whole.
+// Like hal::read_input(), or reads standard input for `-`; a failure has the complete message.
 hal::Result<std::string> read_all(const std::string& path, const hal::InputLimits& limits = {});
 
 }  // namespace cargobay::cli

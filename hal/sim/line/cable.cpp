@@ -7,7 +7,7 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// So that the two directions and the robot's own noise do not draw the same numbers.
+// Keeps the two directions and the robot's own noise from drawing the same numbers.
 constexpr std::uint64_t kToRobotSeed = 0x746f2d726f626f74;
 constexpr std::uint64_t kToHostSeed = 0x746f2d686f7374;
 constexpr rt::Duration kLongestDrain = std::chrono::seconds{2};
@@ -44,7 +44,7 @@ rt::Duration Cable::next_event() const {
   if (const auto arrival = to_robot_.next_arrival(device_->baud())) next = std::min(next, *arrival);
   if (const auto arrival = device_->output().next_arrival(host_baud_))
     next = std::min(next, *arrival);
-  // A robot whose rate has just become faster finds bytes that are already over.
+  // If the robot's rate has just become faster, bytes may be over already.
   return std::max(next, now());
 }
 

@@ -16,14 +16,14 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// A short name in the same folder: the address of a socket has little room.
+// A short name in the same folder: a socket's address has little room.
 std::string aside(const std::string& path) {
   std::uint32_t random = 0;
-  (void)!getrandom(&random, sizeof random, GRND_NONBLOCK);  // the name is exclusive all the same
+  (void)!getrandom(&random, sizeof random, GRND_NONBLOCK);  // NOREPLACE guards the name anyway
   return path.substr(0, path.rfind('/') + 1) + "." + std::to_string(random);
 }
 
-// Never onto another file.
+// Never overwrites another file.
 bool move(const std::string& from, const std::string& to) {
   return renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0;
 }
@@ -43,12 +43,12 @@ std::error_code remove_if(const std::string& path,
   const std::string moved = aside(path);
   if (!move(path, moved)) {
     if (errno == ENOENT) return {};
-    // A file system that cannot, or no room for the longer name.
+    // The file system cannot do it, or there is no room for the longer name.
     if (errno == EINVAL || errno == ENAMETOOLONG) return remove_at(path);
     return {errno, std::generic_category()};
   }
   if (removable(moved)) return remove_at(moved);
-  (void)move(moved, path);  // fails only where a third has come; the file is not lost
+  (void)move(moved, path);  // fails only if a third file has taken the place; the file is not lost
   return std::make_error_code(std::errc::file_exists);
 }
 
@@ -64,7 +64,7 @@ FolderTurn::FolderTurn(const std::string& path) {
   }
 }
 
-// The lock goes with the only descriptor of it.
+// Closing its only descriptor releases the lock.
 FolderTurn::~FolderTurn() {
   if (folder_ >= 0) close(folder_);
 }

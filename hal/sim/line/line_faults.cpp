@@ -24,7 +24,7 @@ void FaultyLine::hold(rt::Duration now, std::uint8_t byte) {
 }
 
 rt::Duration FaultyLine::let_through_at(rt::Duration now) {
-  // More than two bytes' time at the lowest rate that anybody uses.
+  // Longer than two bytes take at the lowest rate in use.
   constexpr rt::Duration kBetweenFrames = std::chrono::milliseconds{2};
   const bool begins = now - last_push_ > kBetweenFrames;
   last_push_ = now;

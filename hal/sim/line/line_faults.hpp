@@ -1,5 +1,5 @@
-// What goes wrong on the line: bytes lost, flipped, doubled or inserted, late, in bunches, or not
-// at all. The same seed does the same to the same bytes.
+// What goes wrong on the line: bytes are lost, flipped, duplicated or inserted, come late, in
+// bunches, or not at all. The same seed does the same to the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace cargobay::hal::sim {
 
-// How probable each is, for each byte: 0 to 1.
+// The probability of each fault, per byte: 0 to 1.
 struct ByteFaults {
   double lost = 0.0;
   double flipped = 0.0;  // one bit of it
   double duplicated = 0.0;
-  double inserted = 0.0;  // a random byte behind it
+  double inserted = 0.0;  // a random byte after it
 };
 
 struct LineFaults {
   ByteFaults bytes{};
-  rt::Duration jitter{0};  // each byte comes up to so much later, in its order
-  // What an FTDI adapter does: it hands on what it has each time its latency timer runs out, or
-  // when it has 62 bytes. 0: none.
+  rt::Duration jitter{0};  // each byte comes up to this much later, in order
+  // What an FTDI adapter does: it passes on what it has each time its latency timer expires, or
+  // when it has 62 bytes. 0: no adapter.
   rt::Duration latency_timer{0};
-  // Each so manieth frame, or whatever else comes in one go, is held back so long as a whole, and
-  // what comes behind it queues. 0: none.
+  // Every Nth frame, or anything else that comes in one go, is held back as a whole for `held_by`,
+  // and what comes after it queues. 0: none.
   std::uint32_t held_every = 0;
   rt::Duration held_by{0};
   bool unplugged = false;  // nothing comes through
@@ -39,7 +39,7 @@ struct LineFaults {
   }
 };
 
-// One direction of a line with faults: bytes in as they arrive, bytes out as they are let through.
+// One direction of a faulty line: bytes go in as they arrive and come out as they are let through.
 class FaultyLine {
  public:
   FaultyLine(std::uint64_t seed, std::size_t capacity);
@@ -47,11 +47,11 @@ class FaultyLine {
   LineFaults& faults() { return faults_; }
   const LineFaults& faults() const { return faults_; }
 
-  // Bytes may go past it: no fault, and none held back.
+  // Bytes may bypass it: no fault is set, and no byte is held back.
   bool bypassed() const { return held_.empty() && !faults_.any(); }
   // The byte arrived at `now`, which never decreases.
   void push(rt::Duration now, std::uint8_t byte);
-  // When the next byte is let through; nothing where none is held.
+  // When the next byte is let through; nothing if none is held.
   std::optional<rt::Duration> next() const;
   std::optional<std::uint8_t> pop(rt::Duration now);
 
@@ -70,7 +70,7 @@ class FaultyLine {
   rt::Duration last_push_{0};
   std::uint32_t frames_ = 0;  // since held_every was seen
   Random random_;
-  RingBuffer<Held> held_;  // let through in their order, each not before it is due
+  RingBuffer<Held> held_;  // let through in order, none before it is due
 };
 
 }  // namespace cargobay::hal::sim

@@ -21,15 +21,15 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// A program that makes the port its own (TIOCEXCL) does so right after it opened it. In the moment
-// of a look that would lock us out.
+// A program that takes exclusive use of the port (TIOCEXCL) does so right after opening it. If that
+// happened during a look, it would lock us out.
 constexpr rt::Duration kSettling = std::chrono::milliseconds{10};
-// Where others keep coming it never settles.
+// If clients keep coming, it never settles.
 constexpr rt::Duration kLongestSettling = std::chrono::milliseconds{50};
-// Without any hint: what a hint missed in the moment of a look would have told.
+// Looks without a hint, in case a hint came during a look and was missed.
 constexpr rt::Duration kLookAgain = std::chrono::milliseconds{250};
 
-// Whether the other end is open nowhere.
+// Whether no process has the other end open.
 bool open_nowhere(int master) {
   pollfd port{.fd = master, .events = 0, .revents = 0};
   return poll(&port, 1, 0) > 0 && (port.revents & POLLHUP) != 0;
@@ -38,7 +38,7 @@ bool open_nowhere(int master) {
 }  // namespace
 
 int PtyClients::open() {
-  // First of all: a master whose other end was never open does not say that it is open nowhere.
+  // First of all: a master whose other end was never open does not report that nothing has it open.
   reopen();
   if (own_ < 0) return errno;
   watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
@@ -56,7 +56,7 @@ PtyClients::~PtyClients() {
 }
 
 void PtyClients::reopen() {
-  // Not by its path: whoever may not open that can be us, in look().
+  // Not by its path: during look() even we may not be allowed to open that.
   const StandardNumbersTaken taken;
   own_ = ioctl(master_, TIOCGPTPEER, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
 }
@@ -84,7 +84,7 @@ void PtyClients::hint(rt::TimePoint now) {
 
 void PtyClients::note_arrival(rt::TimePoint now) {
   hint(now);
-  present_ = true;  // if it has gone already, the look will show it
+  present_ = true;  // if it has already gone, the look will show it
   settled_at_ = std::min(now + kSettling, hinted_at_ + kLongestSettling);
 }
 
@@ -100,14 +100,14 @@ void PtyClients::update(rt::TimePoint now) {
   const bool before = present_;
   present_ = look();
   if (before && !present_) tcflush(own_, TCIFLUSH);
-  (void)hints();  // those that looking made
+  (void)hints();  // discards those that the look itself caused
   hinted_ = false;
   look_again_at_ = now + kLookAgain;
 }
 
-// Exclusive use is interrupted for a look, or we could not open our end again. Those it kept out
-// are kept out by the file's mode meanwhile. It ends before we know whether anybody is there, never
-// after: a client that has come in between could lose its own.
+// A look interrupts exclusive use, or we could not reopen our end. Meanwhile the file's mode keeps
+// out the programs that exclusive use kept out. Exclusive use ends before we know whether there is
+// a client, never after: a client that came in between could lose its own.
 bool PtyClients::look() {
   struct stat file{};
   int exclusive = 0;
@@ -115,7 +115,7 @@ bool PtyClients::look() {
     ioctl(own_, TIOCGEXCL, &exclusive);
     if (exclusive != 0 && fstat(own_, &file) != 0) exclusive = 0;
     if (exclusive != 0) {
-      (void)fchmod(own_, 0);  // refused to who does not own it: then the moment is unguarded
+      (void)fchmod(own_, 0);  // refused if the file is not ours: unguarded for a moment
       ioctl(own_, TIOCNXCL);
     }
     close(own_);
@@ -124,7 +124,7 @@ bool PtyClients::look() {
   reopen();
   if (exclusive != 0) {
     if (present) ioctl(own_, TIOCEXCL);
-    (void)chmod(path_.c_str(), file.st_mode & 07777U);  // as it was: it worked, or nothing changed
+    (void)chmod(path_.c_str(), file.st_mode & 07777U);  // fails only if fchmod() did
   }
   return present;
 }

@@ -1,6 +1,6 @@
-// Whether any process has the other end of a pseudo-terminal open. The kernel knows, and says so
+// Whether any process has the other end of a pseudo-terminal open. The kernel knows, but says so
 // only while we do not have it open ourselves, so we let go of it to look. Opens and closes are
-// hints when to look; none of them is counted.
+// only hints when to look; they are not counted.
 #pragma once
 
 #include <string>
@@ -12,21 +12,21 @@ namespace cargobay::hal::sim {
 
 class PtyClients {
  public:
-  // Of the pseudo-terminal with that master, whose other end is at `path`. The master outlives
+  // For the pseudo-terminal with that master, whose other end is at `path`. The master outlives
   // this.
   PtyClients(int master, std::string path) : master_{master}, path_{std::move(path)} {}
   ~PtyClients();
   PtyClients(const PtyClients&) = delete;
   PtyClients& operator=(const PtyClients&) = delete;
 
-  // Opens our own descriptor of the other end: 0, or errno. It is held to end the exclusive use of
-  // a client that died: by then nobody may open the port, we included.
+  // Opens our own descriptor of the other end: 0, or errno. We hold it to end the exclusive use of
+  // a client that died: by then no process may open the port, not even ours.
   [[nodiscard]] int open();
   int own() const { return own_; }  // -1 while it could not be opened
-  // Readable when to update(); -1 where the kernel would not watch.
+  // Readable when update() should be called; -1 if the kernel refused to watch.
   int watch_descriptor() const { return watch_; }
-  // The master, if a poll for its input can wait; a master whose other end is open nowhere, not
-  // even here, would report that at once for ever.
+  // The master, if polling it for input can wait: a master whose other end is not open anywhere,
+  // not even here, would report that immediately, for ever.
   int pollable_master() const { return own_ >= 0 || present_ ? master_ : -1; }
 
   // Looks if it is time to. When the last client has gone, what it did not read is dropped and its
@@ -34,10 +34,10 @@ class PtyClients {
   void update(rt::TimePoint now);
   // The latest time for the next update().
   rt::TimePoint next_update() const { return hinted_ ? settled_at_ : look_again_at_; }
-  // A client has been heard: what speaks is there.
+  // Bytes have come from a client, so there is one.
   void heard(rt::TimePoint now);
   bool present() const { return present_; }
-  // The descriptors are no longer ours: none of them is used or closed.
+  // The descriptors are no longer ours: none of them is used or closed from now on.
   void disown() { own_ = watch_ = master_ = -1; }
 
  private:

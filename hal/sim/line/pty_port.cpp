@@ -25,7 +25,7 @@ Failure failure(const std::string& what, int error, const std::string& remedy) {
 
 std::error_code last_error() { return {errno, std::generic_category()}; }
 
-// A fresh pseudo-terminal echoes and waits for whole lines.
+// A new pseudo-terminal echoes and waits for whole lines.
 std::error_code make_raw(int slave, std::uint32_t baud) {
   struct termios settings{};
   if (tcgetattr(slave, &settings) != 0) return last_error();
@@ -35,7 +35,7 @@ std::error_code make_raw(int slave, std::uint32_t baud) {
   return set_tty_speed(slave, baud);
 }
 
-// Whether a virtual Create of ours may have made a link to that.
+// Whether a virtual Create of ours may have made a link to this path.
 bool is_pty_path(std::string_view path) {
   constexpr std::string_view kFolder = "/dev/pts/";
   if (!path.starts_with(kFolder)) return false;
@@ -48,9 +48,9 @@ bool exists(const std::string& path) {
   return lstat(path.c_str(), &status) == 0;
 }
 
-// Why the file in the link's place must stay, and what to do; nothing if it is a link that a
-// virtual Create left behind: one that its owner is gone from. `ours`, the new pseudo-terminal, was
-// another one when a link to it was left.
+// Why the file at the link's path must stay, and what to do; nothing if it is a link that a dead
+// virtual Create left behind. A link to `ours`, the new pseudo-terminal, is one of those: it was
+// left when that name belonged to another pseudo-terminal.
 std::optional<std::string> reason_to_keep(const std::string& link, const std::string& ours) {
   constexpr const char* kRemedy = ": remove it or name another";
   struct stat status{};
@@ -68,7 +68,7 @@ std::optional<std::string> reason_to_keep(const std::string& link, const std::st
 }  // namespace
 
 std::optional<Failure> PtyPort::make_link(const std::string& link) {
-  constexpr int kTries = 10;  // others may come and go in that place
+  constexpr int kTries = 10;  // other processes may come and go at that path
   const FolderTurn turn{link};
   int error = 0;
   for (int i = 0; i < kTries; ++i) {
@@ -121,7 +121,7 @@ Result<std::unique_ptr<PtyPort>> PtyPort::open(const std::string& link, std::uin
 
 PtyPort::~PtyPort() {
   if (!link_.empty()) {
-    // Another's that is there by now stays.
+    // Leaves alone the link of another process that has taken the path.
     (void)remove_if(link_,
                     [this](const std::string& path) { return link_target(path) == device_path_; });
   }

@@ -1,6 +1,6 @@
-// The robot's end of a pseudo-terminal: to whoever opens the other end it is a serial port. It
-// lives through clients that come and go, knows the rate they set, and keeps no bytes for a port
-// that nobody has open.
+// The robot's end of a pseudo-terminal: to any program that opens the other end it is a serial
+// port. It survives clients that come and go, knows the rate they set, and keeps no bytes for a
+// port that no client has open.
 #pragma once
 
 #include <cstddef>
@@ -19,35 +19,35 @@ namespace cargobay::hal::sim {
 
 class PtyPort {
  public:
-  // A new pseudo-terminal, raw and at that rate before anybody can open it. `link`, unless empty,
-  // becomes a symbolic link to it. Of what is there already one thing is replaced: our user's link
-  // to a pseudo-terminal that is gone, as a virtual Create leaves it that is killed.
+  // A new pseudo-terminal, raw and at that rate before any client can open it. `link`, unless
+  // empty, becomes a symbolic link to it. Only one thing that may be there already is replaced: our
+  // user's link to a pseudo-terminal that is gone, as a killed virtual Create leaves it.
   static Result<std::unique_ptr<PtyPort>> open(const std::string& link, std::uint32_t baud);
   // Removes the link, if it is still ours.
   ~PtyPort();
   PtyPort(const PtyPort&) = delete;
   PtyPort& operator=(const PtyPort&) = delete;
 
-  // What a client opens: the link where there is one.
+  // What a client opens: the link if there is one.
   const std::string& path() const { return link_.empty() ? device_path_ : link_; }
   const std::string& device_path() const { return device_path_; }
 
-  // For a poll: readable when a client has sent something; -1 while none can have.
+  // For a poll: readable when a client has sent something; -1 while no client can have.
   int descriptor() const { return clients_.pollable_master(); }
-  // Readable when to update the clients; -1 where the kernel would not watch.
+  // Readable when the clients should be updated; -1 if the kernel refused to watch.
   int watch_descriptor() const { return clients_.watch_descriptor(); }
   const PtyClients& clients() const { return clients_; }
   void update_clients(rt::TimePoint now) { clients_.update(now); }
-  // Whether the descriptors are still the pseudo-terminal's: a program that closes what it does not
-  // know takes them from a virtual Create within it, and its own files get their numbers.
+  // Whether the descriptors are still the pseudo-terminal's. A program that runs a virtual Create
+  // and closes descriptors it does not know takes them away, and its own files get their numbers.
   bool intact() const;
-  // Gives them up: nothing of them is read, written or closed any more.
+  // Gives them up: they are no longer read, written or closed.
   void disown();
 
-  // None of these blocks. What cannot be moved now is not counted.
+  // None of these blocks. They return what could be moved now.
   std::size_t read(std::span<std::uint8_t> bytes, rt::TimePoint now);
   std::size_t write(std::span<const std::uint8_t> bytes);
-  // The rate the client set. A rate of 0 (hang up) and one that cannot be read leave the last.
+  // The rate that the client set. A rate of 0 (hang up), or an unreadable one, leaves the last.
   std::uint32_t host_baud();
 
  private:

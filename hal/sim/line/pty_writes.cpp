@@ -11,7 +11,7 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// -1 where the kernel would not.
+// -1 if the kernel refuses.
 int watch_writes(const std::string& path) {
   const StandardNumbersTaken taken;
   const int watch = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);

@@ -1,5 +1,5 @@
-// Whether anybody wrote to the other end of a pseudo-terminal: the kernel tells at once, long
-// before the bytes come where it is busy.
+// Whether any process wrote to the other end of a pseudo-terminal: the kernel reports it at once,
+// long before the bytes arrive on a busy machine.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace cargobay::hal::sim {
 
 class PtyWrites {
  public:
-  // `path` is that of the other end. Where the kernel would not watch it, there never was a write.
+  // `path` is that of the other end. If the kernel refuses to watch it, any() is always false.
   explicit PtyWrites(const std::string& path);
   ~PtyWrites();
   PtyWrites(const PtyWrites&) = delete;
@@ -16,7 +16,7 @@ class PtyWrites {
 
   // Since the last call. Does not block.
   [[nodiscard]] bool any();
-  // The descriptor is no longer ours: it is not used or closed any more.
+  // The descriptor is no longer ours: it is not used or closed from now on.
   void disown() { watch_ = -1; }
 
  private:

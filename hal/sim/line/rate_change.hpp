@@ -1,6 +1,6 @@
-// A pseudo-terminal tells what rate it is set to, not which bytes were written before it was; and
-// those come late, in pieces. A host that sends Baud and sets its port at once would be taken to
-// have sent it at the new rate.
+// A pseudo-terminal reports the rate it is set to, but not which bytes were written before that;
+// and those come late, in pieces. A host that sends Baud and sets its port immediately would seem
+// to have sent the command at the new rate.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 
 namespace cargobay::hal::sim {
 
-// How many of the bytes were written before the port was set to `baud`: as far as a Baud command
-// that asks for this very rate, where there is one, else none.
+// How many of the bytes were written before the port was set to `baud`: up to and including a Baud
+// command that asks for this rate; none if there is no such command.
 constexpr std::size_t sent_before_change(std::span<const std::uint8_t> bytes, std::uint32_t baud) {
   const auto code = oi::baud_code(baud);
   if (!code) return 0;
@@ -27,12 +27,12 @@ constexpr std::size_t sent_before_change(std::span<const std::uint8_t> bytes, st
   return 0;
 }
 
-// From a change of the host's rate until it is known what was sent before: keeps what comes.
+// Lasts from a change of the host's rate until it is known what was sent before; keeps the bytes.
 class RateChange {
  public:
   static constexpr std::size_t kMostBytes = 512;
 
-  // The host has changed its rate, with a robot that listened at the former one. `last` is the last
+  // The host has changed its rate, and the robot listened at the former one. `last` is the last
   // byte that came before.
   void begin(std::uint32_t former, std::uint32_t baud, std::uint8_t last, rt::TimePoint now) {
     *this = RateChange{};
@@ -44,18 +44,18 @@ class RateChange {
   bool under_way() const { return former_ != 0; }
   std::uint32_t former() const { return former_; }
   std::uint32_t baud() const { return baud_; }
-  // Of so much room for all that is kept in the end, what is left.
+  // How much room is left of `in_all`, the room for everything that is kept in the end.
   std::size_t room(std::size_t in_all) const {
     const std::size_t most = std::min(in_all, kept_.size());
     return most - std::min(size_, most);
   }
-  // No more than there is room for.
+  // Takes no more than there is room for.
   void keep(std::span<const std::uint8_t> bytes, rt::TimePoint now) {
     if (size_ == 0) kept_since_ = now;
     for (const std::uint8_t byte : bytes) kept_[size_++] = byte;
   }
   std::span<const std::uint8_t> kept() const { return std::span{kept_}.first(size_); }
-  // Of what is kept, so much was sent at the former rate.
+  // How many of the kept bytes were sent at the former rate.
   std::size_t before() const {
     const std::size_t whole = sent_before_change(kept(), baud_);
     if (whole > 0 || size_ == 0) return whole;
@@ -63,8 +63,8 @@ class RateChange {
     return sent_before_change(cut, baud_) / 2;
   }
 
-  // When it is to be decided by: at once with a Baud command, else when the rest of one would have
-  // come. A host that sent one waits for 100 ms (OI p. 7).
+  // When the decision is due: at once if there is a Baud command, else when the rest of one would
+  // have come. A host that sent one waits for 100 ms (OI p. 7).
   rt::TimePoint decided_at() const {
     if (before() > 0 || size_ == kept_.size()) return kept_since_;
     if (size_ == 0) return began_at_ + kPause;
@@ -77,7 +77,7 @@ class RateChange {
   static constexpr rt::Duration kPause = std::chrono::milliseconds{100};
   static constexpr rt::Duration kPieces = std::chrono::milliseconds{5};
 
-  std::uint32_t former_ = 0;  // 0: none is under way
+  std::uint32_t former_ = 0;  // 0: no change is under way
   std::uint32_t baud_ = 0;
   std::uint8_t last_ = 0;
   rt::TimePoint began_at_{};

@@ -21,11 +21,12 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// Further behind than this, as after SIGSTOP, the robot stood still too.
+// If the thread is further behind than this, as after SIGSTOP, the robot has stood still too.
 constexpr rt::Duration kLongestLag = std::chrono::seconds{1};
-// What is caught up in one piece: less than fills the room for bytes at the fastest rate.
+// The longest piece to catch up in at once: it must not fill the room for bytes at the fastest
+// rate.
 constexpr rt::Duration kCatchUpPiece = std::chrono::milliseconds{50};
-// Between two looks for writes, where their spacing matters: half of it.
+// Time between two looks for writes, if their spacing matters: half of it.
 constexpr rt::Duration kLookForWrites = oi::kByteSpacingAt115200 / 2;
 
 }  // namespace
@@ -55,7 +56,7 @@ Server::Server(const Parameters& parameters, const ServerOptions& options,
       truth_{std::max<std::size_t>(options.truth_samples, 1)} {
   device_.on_tick = [this](const Device& device) {
     if (truth_.full()) truth_.pop_front();
-    (void)truth_.push_back({.time = monotonic(device.now()),  // has room: made above
+    (void)truth_.push_back({.time = monotonic(device.now()),  // has room: reserved above
                             .speeds = device.truth().speeds,
                             .commanded = device.commanded(),
                             .mode = device.mode()});
@@ -99,14 +100,14 @@ void Server::lose_descriptors() {
   if (spacing_) spacing_->writes.disown();
   spacing_.reset();
   lost_.store(true,
-              std::memory_order_relaxed);  // those who read it tolerate it late, or join first
+              std::memory_order_relaxed);  // readers tolerate it late, or join first
   stopping_.store(true, std::memory_order_relaxed);
 }
 
 void Server::wake() {
   if (lost_.load(std::memory_order_relaxed)) return;
   const std::uint64_t one = 1;
-  (void)!::write(wake_descriptor_, &one, sizeof one);  // a full counter wakes as well
+  (void)!::write(wake_descriptor_, &one, sizeof one);  // even if the counter is full, this wakes
 }
 
 void Server::run() {
@@ -179,7 +180,7 @@ void Server::take_from_host() {
     const std::size_t count =
         port_->read(std::span{bytes}.first(std::min(bytes.size(), room)), rt::Clock::now());
     if (count == 0) break;
-    // They may have come since the robot was last brought up to now: early is never right.
+    // They may have come since the robot last advanced, and must not be delivered too early.
     catch_up(rt::Clock::now());
     const std::span<const std::uint8_t> read{bytes.data(), count};
     if (change_.under_way()) {
@@ -228,7 +229,7 @@ void Server::sleep_until(rt::TimePoint time) {
   {
     const std::lock_guard lock{mutex_};
     if (port_) {
-      // With no room for what the host sends it is left where it is, as by a full transmitter.
+      // If there is no room for what the host sends, it stays there, as with a full transmitter.
       if (cable_.send_room() > 0) sources[0].fd = port_->descriptor();
       sources[1].fd = port_->watch_descriptor();
     }
@@ -236,11 +237,11 @@ void Server::sleep_until(rt::TimePoint time) {
   const rt::Duration left = std::max(time - rt::Clock::now(), rt::Duration::zero());
   const timespec timeout = rt::as_timespec(left);
   const int ready = ppoll(sources.data(), sources.size(), &timeout, nullptr);
-  // Refused, as beyond a limit of open files that was lowered, it would not have waited.
+  // If ppoll was refused, as above a lowered limit of open files, it has not waited.
   if (ready < 0 && errno != EINTR) nanosleep(&timeout, nullptr);
   if (ready > 0 && sources[2].revents != 0) {
     std::uint64_t count = 0;
-    (void)!::read(wake_descriptor_, &count, sizeof count);  // only empties it
+    (void)!::read(wake_descriptor_, &count, sizeof count);  // just clears it
   }
 }
 
@@ -280,7 +281,7 @@ void Server::unplug() {
     const std::lock_guard lock{mutex_};
     port_.reset();
     change_.end();
-    spacing_.reset();  // of that port
+    spacing_.reset();  // it belonged to that port
   }
   wake();
 }

@@ -1,5 +1,5 @@
 // A virtual Create on a pseudo-terminal, in real time. One thread runs the device along
-// CLOCK_MONOTONIC and paces every byte both ways as the wire would: none is early, and none is
+// CLOCK_MONOTONIC and paces every byte both ways as the wire would: no byte is early, and none is
 // later than the thread's own wake-up.
 #pragma once
 
@@ -31,16 +31,16 @@ namespace cargobay::hal::sim {
 struct ServerOptions {
   std::string link{};  // symbolic link to the pseudo-terminal; empty for none
   int priority = 0;    // SCHED_FIFO priority to ask for; 0: none
-  // Bytes are handed over as soon as so many are there, or the line falls silent: 8 is what the
+  // Bytes are handed over as soon as there are this many, or the line goes silent: 8 is what the
   // FIFO of a Pi's UART does. 1 hands over every byte by itself, at several times the CPU time.
   std::size_t batch_bytes = 8;
-  std::size_t truth_samples = 4096;  // kept for take_truth(); the oldest give way
-  // Called at the end of each tick, by whatever thread brings the robot up to now: it looks at the
-  // device and calls nothing of the server.
+  std::size_t truth_samples = 4096;  // kept for take_truth(); the oldest are dropped
+  // Called at the end of each tick, by whichever thread advances the robot. It may look at the
+  // device but must not call the server.
   std::function<void(const Device&)> on_tick{};
 };
 
-// The robot at one tick, as no sensor tells.
+// The true state of the robot at one tick.
 struct TruthSample {
   rt::TimePoint time{};
   WheelSpeeds speeds{};
@@ -50,8 +50,8 @@ struct TruthSample {
 
 struct ServerCounters {
   std::uint64_t wakeups = 0;
-  std::uint64_t stalls = 0;  // the process stood still for over a second, and the robot with it
-  std::uint64_t bytes_undelivered = 0;  // sent by the robot while nobody read
+  std::uint64_t stalls = 0;  // the process was stopped for over a second, and the robot with it
+  std::uint64_t bytes_undelivered = 0;  // sent by the robot but not taken by the port
 };
 
 struct Snapshot {
@@ -67,7 +67,7 @@ struct Snapshot {
 
 class Server {
  public:
-  // Opens the pseudo-terminal; the robot waits, off, until start().
+  // Opens the pseudo-terminal; the robot stays off until start().
   static Result<std::unique_ptr<Server>> open(const Parameters& parameters,
                                               const ServerOptions& options);
   // Stops.
@@ -75,31 +75,31 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  // Powers the robot on. To be called once.
+  // Powers the robot on. Call it once.
   [[nodiscard]] std::error_code start();
-  // Ends the thread and takes the link away. Idempotent; not to be called by two threads at once.
+  // Ends the thread and removes the link. Idempotent; not to be called by two threads at once.
   void stop();
 
   // What a client opens; empty after stop().
   std::string path() const;
-  // After start(): 0 where the priority asked for was given, or none asked for; else errno.
+  // After start(): 0 if the requested priority was granted, or none was requested; else errno.
   int priority_error() const { return priority_error_; }
 
-  // For any thread. These lock, and may wait for the server's thread to finish a step.
+  // For any thread. These functions lock, and may wait for the server's thread to finish a step.
   Snapshot snapshot() const;
   // Appends the samples since the last call.
   void take_truth(std::vector<TruthSample>& samples);
-  // Runs `change` on the device as it is now, between two events: bumps, cliffs, buttons, a new
-  // place.
+  // Runs `change` on the device in its present state, between two events: bumps, cliffs, buttons, a
+  // new place.
   void with_device(const std::function<void(Device&)>& change);
-  // The same for the device and its line: faults.
+  // The same for the device and its line, to set faults.
   void with_cable(const std::function<void(Cable&)>& change);
 
-  // When the robot's clock shows that. For what the robot calls: on_tick, on_drive.
+  // When the robot's clock shows that time. For the robot's callbacks: on_tick, on_drive.
   rt::TimePoint monotonic(rt::Duration robot_time) const { return power_on_ + robot_time; }
 
-  // The adapter is pulled out: the pseudo-terminal goes, and whoever has it open is hung up. The
-  // robot stays. Plugged in again it is a new one, behind the same link.
+  // Pulls the adapter out: the pseudo-terminal disappears, and all clients are hung up. The robot
+  // stays. Plugged in again, it is a new pseudo-terminal at the same link.
   void unplug();
   [[nodiscard]] std::optional<Failure> replug();
 
@@ -108,22 +108,23 @@ class Server {
          int wake_descriptor);
 
   void run();
-  // Brings the robot up to now; returns when it next needs to.
+  // Advances the robot to now; returns when it next needs to.
   rt::TimePoint step();
   void sleep_until(rt::TimePoint time);
   void catch_up(rt::TimePoint now);
   void take_from_host();
   void hand_to_host();
-  // Where the robot wants its bytes spaced: looks when the host writes them.
+  // If the robot needs its bytes spaced, looks when the host writes them.
   void watch_spacing();
   void look_for_writes(bool bytes_came);
   void send(std::span<const std::uint8_t> bytes, std::uint32_t baud);
-  // Of bytes that come when the host has changed its rate: which were sent before.
+  // After the host has changed its rate, finds out which of the bytes were sent before.
   void follow_rate(std::uint32_t baud);
   void settle_rate();
   void end_rate_change();
   void wake();
-  // Gives up what the program has closed, and ends the thread: the robot is out of reach.
+  // Gives up the descriptors that the program has closed, and ends the thread: the robot can
+  // no longer be reached.
   void lose_descriptors();
 
   ServerOptions options_;
@@ -132,7 +133,7 @@ class Server {
   std::unique_ptr<PtyPort> port_;
   Device device_;
   Cable cable_;
-  // While a client has the port open at a rate that needs spacing.
+  // Lasts while a client has the port open at a rate that needs spacing.
   struct Spacing {
     explicit Spacing(const std::string& path) : writes{path} {}
     PtyWrites writes;
@@ -145,7 +146,7 @@ class Server {
   ServerCounters counters_{};
   rt::TimePoint power_on_{};
   std::atomic<bool> stopping_{false};
-  std::atomic<bool> lost_{false};  // the program closed our descriptors: they are others' by now
+  std::atomic<bool> lost_{false};  // the program closed our descriptors: others may have them
   std::thread thread_;
   int priority_error_ = 0;
 };

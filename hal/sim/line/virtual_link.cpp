@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cerrno>
 
-// The robot behind the link is no part of the real-time path, though it runs in its calls: it
-// allocates nothing once built, which RealtimeSanitizer sees, but is not marked function by
-// function.
+// The robot on the far side is not part of the real-time path, although it runs in this link's
+// calls: it allocates nothing once built, which RealtimeSanitizer checks, but its functions are not
+// marked one by one.
 #if defined(__clang__) && __clang_major__ >= 20
 #pragma clang diagnostic ignored "-Wfunction-effects"
 #endif

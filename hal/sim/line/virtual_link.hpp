@@ -1,5 +1,5 @@
-// A byte stream to a virtual Create in virtual time: waiting is what makes time pass. The same code
-// that drives a robot runs over it, faster than real and the same each time.
+// A byte stream to a virtual Create in virtual time: waiting makes time pass. The same code that
+// drives a robot runs over it, faster than real time and the same every time.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace cargobay::hal::sim {
 
 class VirtualLink final : public ByteStream {
  public:
-  // The device outlives the link. The host starts at the rate the robot listens at.
+  // The device outlives the link. The host starts at the rate that the robot listens at.
   explicit VirtualLink(Device& device) : cable_{device} {}
 
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
@@ -33,7 +33,7 @@ class VirtualLink final : public ByteStream {
 
   // Lets time pass without reading.
   void advance(rt::Duration period) { cable_.advance_to(cable_.now() + period); }
-  // The other side goes away, for good as far as this link is concerned.
+  // The other side goes away, for this link permanently.
   void hang_up() { hung_up_ = true; }
   Cable& cable() { return cable_; }
 

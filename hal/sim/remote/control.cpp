@@ -33,7 +33,7 @@ std::optional<oi::Button> button(std::string_view word) {
   return std::nullopt;
 }
 
-// One switch among those of a group, by its name; null where there is none.
+// The switch with that name in a group; null if there is none.
 bool* wheel_drop(Inputs& inputs, std::string_view name) {
   if (name == "left") return &inputs.wheel_drop_left;
   if (name == "right") return &inputs.wheel_drop_right;
@@ -53,7 +53,7 @@ bool* overcurrent(Inputs& inputs, std::string_view name) {
   return name == "ld2" ? &inputs.overcurrent_low_side_driver[2] : nullptr;
 }
 
-// Sets the switch to what the last word of the command says.
+// Sets the switch as the last word of the command says.
 bool set_switch(bool* target, std::string_view rest) {
   const std::optional<bool> on = either(next_word(rest), "on", "off");
   if (target == nullptr || !on || !no_more_words(rest)) return false;
@@ -122,7 +122,7 @@ bool place(Device& device, std::string_view rest) {
   return true;
 }
 
-// The commands whose one argument is a number.
+// The commands with a number as their only argument.
 template <typename Set>
 bool set_integer(std::string_view rest, int highest, Set&& set) {
   const std::optional<int> value = to_integer(next_word(rest), 0, highest);
@@ -131,7 +131,7 @@ bool set_integer(std::string_view rest, int highest, Set&& set) {
   return true;
 }
 
-// The commands whose one argument is a level.
+// The commands with a level as their only argument.
 template <typename Set>
 bool set_level(std::string_view rest, Set&& set) {
   const std::optional<bool> high = either(next_word(rest), "high", "low");

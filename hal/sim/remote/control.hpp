@@ -1,6 +1,5 @@
-// The virtual Create by remote control, as text: the hands that push its buttons and hold things in
-// front of its sensors. One line is one command, and its answer is one line: `ok`, `error: ...` or
-// JSON.
+// The virtual Create by remote control, as text: it presses its buttons and puts things in front of
+// its sensors. One line is one command, and the answer is one line: `ok`, `error: ...` or JSON.
 #pragma once
 
 #include <optional>
@@ -23,10 +22,10 @@ struct ControlInfo {
 // All of them, one row each.
 std::span<const ControlInfo> controls();
 
-// The answer to the line, without its end.
+// The answer to the line, without the newline.
 std::string control(std::string_view line, Cable& cable);
 
-// All about the device and its line, as one JSON object on one line.
+// Everything about the device and its line, as one JSON object on one line.
 std::string state_json(const Cable& cable);
 
 }  // namespace cargobay::hal::sim

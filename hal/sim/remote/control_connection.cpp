@@ -44,13 +44,13 @@ short ControlConnection::events() const { return unsent_.empty() ? POLLIN : POLL
 
 bool ControlConnection::serve(rt::TimePoint now, const Answers& answers) {
   if (!answer_all(now, answers)) return false;
-  // A client whose answer waits is not read: its lines take no more room than they have.
+  // A client with a pending answer is not read, so that its lines need no further room.
   const bool hears = unsent_.empty() && !ended_;
   if (hears && !(receive() && answer_all(now, answers))) return false;
   return !ended_ || !unsent_.empty();
 }
 
-// As far as the client takes the answers. False when it is gone, or has had its time.
+// Answers as far as the client takes it. False if the client is gone, or its time is up.
 bool ControlConnection::answer_all(rt::TimePoint now, const Answers& answers) {
   do {
     if (!flush(now)) return false;
@@ -60,10 +60,10 @@ bool ControlConnection::answer_all(rt::TimePoint now, const Answers& answers) {
 
 void ControlConnection::dismiss(std::string_view line) {
   unsent_ = std::string{line} + "\n";
-  (void)flush({});  // who has no room for it has not asked
+  (void)flush({});  // a client without room for it did not ask for it
 }
 
-// Sends what it can. False when the client is gone, or has had its time.
+// Sends what it can. False if the client is gone, or its time is up.
 bool ControlConnection::flush(rt::TimePoint now) {
   while (!unsent_.empty()) {
     const ssize_t count = send(descriptor_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
@@ -81,7 +81,7 @@ bool ControlConnection::flush(rt::TimePoint now) {
   return true;
 }
 
-// Reads what is there, once. False when the connection is broken.
+// Reads once what is there. False if the connection is broken.
 bool ControlConnection::receive() {
   std::array<char, 4096> bytes{};
   const ssize_t count = recv(descriptor_, bytes.data(), bytes.size(), 0);
@@ -91,7 +91,7 @@ bool ControlConnection::receive() {
   return true;
 }
 
-// Answers the next whole line. False when there is none.
+// Answers the next whole line. False if there is none.
 bool ControlConnection::answer_next(const Answers& answers) {
   const std::size_t length = received_.find('\n');
   const bool whole = length != std::string::npos;
@@ -100,7 +100,7 @@ bool ControlConnection::answer_next(const Answers& answers) {
     if (too_long_) received_.clear();
     return false;
   }
-  // What a client left half said may be less than it meant.
+  // An incomplete last line may say less than the client meant.
   if (!whole && received_.empty() && !too_long_) return false;
   const bool too_long =
       std::exchange(too_long_, false) || (whole ? length : received_.size()) > kLongestLine;

@@ -1,5 +1,5 @@
-// One client of the control socket. Nothing here waits: an answer that the client does not take
-// waits for the client, and so does its next line.
+// One client of the control socket. Nothing here blocks: an answer waits until the client takes it,
+// and so does the client's next line.
 #pragma once
 
 #include <functional>
@@ -13,10 +13,10 @@ namespace cargobay::hal::sim {
 
 class ControlConnection {
  public:
-  // The answer to a line; both without their ends.
+  // The answer to a line; both without the newline.
   using Answers = std::function<std::string(std::string_view line)>;
 
-  // Closes the descriptor, which does not block, in the end.
+  // Owns the descriptor, and closes it at the end, which does not block.
   explicit ControlConnection(int descriptor) : descriptor_{descriptor} {}
   ~ControlConnection();
   ControlConnection(const ControlConnection&) = delete;
@@ -27,10 +27,10 @@ class ControlConnection {
   int descriptor() const { return descriptor_; }
   // What to poll for.
   short events() const;
-  // When a client that does not take its answer is let go of; nothing while none waits.
+  // When to drop a client that does not take its answer; nothing while no answer is pending.
   std::optional<rt::TimePoint> deadline() const { return deadline_; }
 
-  // Reads once, at most, and answers. False when it is over: the client is gone, or has not taken
+  // Reads at most once, and answers. False when it is over: the client is gone, or has not taken
   // its answer by the deadline.
   bool serve(rt::TimePoint now, const Answers& answers);
   // Sends a last line, as far as there is room for it.
@@ -44,7 +44,7 @@ class ControlConnection {
 
   int descriptor_;
   std::string received_{};  // not answered yet
-  bool too_long_ = false;   // a line began that is; its rest is passed over
+  bool too_long_ = false;   // the current line is too long; its rest is skipped
   bool ended_ = false;      // the client sends no more
   std::string unsent_{};
   std::optional<rt::TimePoint> deadline_{};

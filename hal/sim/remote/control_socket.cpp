@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kMostClients = 16;
 constexpr int kBacklog = 16;
 constexpr timespec kRetryPause{.tv_sec = 0, .tv_nsec = 5'000'000};
-// How long nobody is accepted after the system refused to: it would refuse again at once.
+// How long to accept no client after the system refused to: it would refuse again at once.
 constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
 
 std::optional<sockaddr_un> address_of(const std::string& path) {
@@ -36,7 +36,7 @@ std::optional<sockaddr_un> address_of(const std::string& path) {
 }
 
 const sockaddr* generic(const sockaddr_un& address) {
-  // The sockets' own way of passing addresses of any kind.
+  // The socket API takes addresses of every kind this way.
   return reinterpret_cast<const sockaddr*>(&address);
 }
 
@@ -46,7 +46,7 @@ Failure failure(const std::string& path, std::error_code code, const std::string
           .code = code};
 }
 
-// Connects to the path: 0, or errno. Never waits: a socket whose queue is full says EAGAIN.
+// Connects to the path: 0, or errno. Never waits: a socket with a full queue returns EAGAIN.
 int try_path(const sockaddr_un& address) {
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const bool connected = probe >= 0 && connect(probe, generic(address), sizeof address) == 0;
@@ -55,14 +55,14 @@ int try_path(const sockaddr_un& address) {
   return error;
 }
 
-// Whether the path leads to this listener. If another socket has come in its place, nobody can
+// Whether the path leads to this listener. If another socket has taken its place, no client can
 // reach it.
 bool is_reached(int listener, const sockaddr_un& address) {
   pollfd newcomer{.fd = listener, .events = POLLIN, .revents = 0};
   return try_path(address) == 0 && poll(&newcomer, 1, 0) > 0;
 }
 
-// Why what is at the path must stay; nothing if it is a socket of ours that nobody listens to.
+// Why the file at the path must stay; nothing if it is a socket of ours that nothing listens on.
 std::error_code reason_to_keep(const std::string& path, const sockaddr_un& address) {
   struct stat status{};
   if (lstat(path.c_str(), &status) != 0) return {};
@@ -91,7 +91,7 @@ std::string control(std::string_view line, Server& server) {
       server.unplug();
       return "ok";
     }
-    // The line behind the port may be broken too: what follows mends it.
+    // The line beyond the port may have faults too; the code below clears them.
     if (no_more_words(rest) && (name == "replugged" || name == "none")) {
       if (const auto problem = server.replug()) return "error: " + problem->message;
     }
@@ -114,7 +114,7 @@ Result<std::unique_ptr<ControlSocket>> ControlSocket::open(const std::string& pa
 }
 
 std::optional<Failure> ControlSocket::listen_on_path() {
-  constexpr int kTries = 10;  // others may come and go in that place
+  constexpr int kTries = 10;  // other processes may come and go at that path
   constexpr const char* kTaken = "name another path, or remove what is there";
   const std::optional<sockaddr_un> address = address_of(path_);
   if (!address) {
@@ -122,11 +122,11 @@ std::optional<Failure> ControlSocket::listen_on_path() {
                    "name a path of 1 to 107 bytes");
   }
   const FolderTurn turn{path_};
-  fchmod(listener_, S_IRUSR | S_IWUSR);  // the file gets it from the first moment on
+  fchmod(listener_, S_IRUSR | S_IWUSR);  // the file has these rights from the first moment on
   int error = 0;
   for (int i = 0; i < kTries; ++i) {
     if (bind(listener_, generic(*address), sizeof *address) == 0) {
-      // Until it listens it looks dead: another process may just now have taken it away.
+      // Until it listens it looks dead: another process may just have removed it.
       const bool ours = listen(listener_, kBacklog) == 0 && is_reached(listener_, *address);
       if (ours && lstat(path_.c_str(), &file_) == 0) return std::nullopt;
       return failure(path_, std::make_error_code(std::errc::address_in_use), kTaken);
@@ -134,7 +134,7 @@ std::optional<Failure> ControlSocket::listen_on_path() {
     error = errno;
     if (error != EADDRINUSE) break;
     const std::error_code reason = reason_to_keep(path_, *address);
-    // Of two that are after the same dead socket each may have stepped in the other's way; so look
+    // Two processes that want the same dead socket may each have got in the other's way, so look
     // again a little later.
     const bool last = i + 1 == kTries;
     if (reason == std::errc::address_in_use && !last) {
@@ -176,13 +176,13 @@ void ControlSocket::stop() {
   if (thread_.joinable()) {
     stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
     const std::uint64_t one = 1;
-    (void)!::write(wake_descriptor_, &one, sizeof one);  // a full counter wakes as well
+    (void)!::write(wake_descriptor_, &one, sizeof one);  // even if the counter is full, this wakes
     thread_.join();
   }
   if (listener_ < 0) return;
   close(listener_);
   listener_ = -1;
-  // Another's that is there by now stays.
+  // Leaves alone the socket of another process that has taken the path.
   (void)remove_if(path_, [this](const std::string& path) { return same_file(path, file_); });
 }
 
@@ -199,7 +199,7 @@ void ControlSocket::run() {
       const bool due = sources[2 + i].revents != 0 || (deadline && *deadline <= now);
       if (!due || clients_[i].serve(now, answers)) continue;
       clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(i));
-      accept_again_ = now;  // its descriptor is free
+      accept_again_ = now;  // its descriptor is free now
     }
     if (sources[1].revents != 0) accept_client();
   }
@@ -220,8 +220,8 @@ void ControlSocket::wait(std::vector<pollfd>& sources) const {
   const bool forever = until == rt::TimePoint::max();
   if (ppoll(sources.data(), sources.size(), forever ? nullptr : &timeout, nullptr) >= 0) return;
   if (errno == EINTR) return;
-  // It refuses to wait for so many, as beyond a limit of open files that was lowered: everybody is
-  // looked after now and then.
+  // ppoll refuses this many descriptors, as above a lowered limit of open files: serve every client
+  // now and then instead.
   const timespec pause = rt::as_timespec(kRefusalPause);
   nanosleep(&pause, nullptr);
   for (pollfd& source : sources) source.revents = source.events;

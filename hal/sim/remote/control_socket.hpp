@@ -1,5 +1,5 @@
-// The remote control of a served virtual Create over a Unix stream socket: text lines, as
-// hal/sim/remote/control.hpp has them, each answered before the next is read.
+// The remote control of a served virtual Create over a Unix stream socket: text lines, as in
+// hal/sim/remote/control.hpp, each answered before the next is read.
 #pragma once
 
 #include <poll.h>
@@ -22,17 +22,17 @@ namespace cargobay::hal::sim {
 
 class ControlSocket {
  public:
-  // Listens on `path`, for this user alone. A socket of this user's that a process which is gone
-  // left there is replaced, anything else refused. The server outlives the socket.
+  // Listens on `path`, for this user only. A socket of this user that a dead process left there is
+  // replaced, anything else refused. The server outlives the socket.
   static Result<std::unique_ptr<ControlSocket>> open(const std::string& path, Server& server);
   // Stops.
   ~ControlSocket();
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
 
-  // To be called once.
+  // Call it once.
   [[nodiscard]] std::error_code start();
-  // Ends the thread, hangs up on who is connected, and removes the socket, if it is still ours.
+  // Ends the thread, disconnects all clients, and removes the socket if it is still ours.
   // Idempotent.
   void stop();
 
@@ -41,23 +41,23 @@ class ControlSocket {
 
   std::optional<Failure> listen_on_path();
   void run();
-  // Until there is something to do. What there is, in the order of wake-up, listener, clients.
+  // Waits until there is something to do: `sources` are, in order, wake-up, listener, clients.
   void wait(std::vector<pollfd>& sources) const;
   void accept_client();
 
   std::string path_;
-  struct stat file_{};  // the socket's own, at that path
+  struct stat file_{};  // the socket's own file, at that path
   Server* server_;
   int listener_;
   int wake_descriptor_;
-  std::vector<ControlConnection> clients_{};  // the thread's own
-  rt::TimePoint accept_again_{};              // descriptors ran out: not before
+  std::vector<ControlConnection> clients_{};  // used by the thread only
+  rt::TimePoint accept_again_{};              // descriptors ran out: accept none before this time
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };
 
 // The answer of a served robot: `fault unplugged` takes the port away, `replugged` and `none` bring
-// it back, all else is control()'s.
+// it back, everything else is control()'s.
 std::string control(std::string_view line, Server& server);
 
 }  // namespace cargobay::hal::sim

@@ -40,7 +40,7 @@ bool set_unplugged(bool unplugged, Cable& cable) {
   return true;
 }
 
-// A count of at most a million; `otherwise` where none is given.
+// A count of at most a million; `otherwise` if none is given.
 std::optional<std::uint32_t> count(std::string_view rest, std::uint32_t otherwise) {
   const std::string_view word = next_word(rest);
   if (word.empty()) return otherwise;

@@ -1,4 +1,4 @@
-// The named faults, as text: what the control socket and the command line take.
+// The named faults, as text: what the control socket and the command line accept.
 #pragma once
 
 #include <span>
@@ -17,11 +17,11 @@ struct FaultInfo {
   bool (*apply)(std::string_view arguments, Cable& cable);
 };
 
-// All of them, one row each. P is a probability for each byte, 0 to 1; the direction is to-host
-// (the default), to-robot or both.
+// All faults, one row each. P is a probability per byte, 0 to 1; the direction is to-host (the
+// default), to-robot or both.
 std::span<const FaultInfo> faults();
 
-// Applies "NAME [ARGUMENTS]". Empty, or what is wrong with it and what would be right.
+// Applies "NAME [ARGUMENTS]". Returns "" or, on error, what is wrong and what is valid.
 std::string apply_fault(std::string_view command, Cable& cable);
 
 }  // namespace cargobay::hal::sim

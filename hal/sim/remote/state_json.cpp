@@ -1,4 +1,4 @@
-// The `state` of the control socket.
+// The command `state` of the control socket.
 #include <array>
 #include <cinttypes>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// An object whose values are numbers, truths, names without quotes in them, and objects.
+// An object whose values are numbers, booleans, names without quotes in them, and objects.
 class JsonObject {
  public:
   JsonObject& number(std::string_view key, double value) {
@@ -61,7 +61,7 @@ JsonObject leds(const Leds& leds) {
       .integer("power_intensity", leds.power_intensity);
 }
 
-// Of the cargo bay connector (OI p. 4), what the robot puts on them: 13, 8, 9, 10 to 12.
+// The pins of the cargo bay connector (OI p. 4) that the robot drives: 13, 8, 9, 10 to 12.
 JsonObject pins(const Device& device) {
   const bool on = device.power() != Power::off;
   const double vpwr_mv = device.battery().voltage_mv();
@@ -72,7 +72,7 @@ JsonObject pins(const Device& device) {
       .number("switched_vpwr_mv", on ? vpwr_mv : 0.0);
 }
 
-// What the drivers are set to, and what flows.
+// The settings of the drivers, and the currents.
 JsonObject& low_side_drivers(JsonObject& state, const Device& device) {
   const std::array<std::uint8_t, 3>& duty = device.actuators().low_side_drivers;
   const std::array<double, 3> current_ma = device.low_side_driver_ma();

@@ -1,5 +1,5 @@
-// The virtual Create that a program starts for itself where no port is named: on a pseudo-terminal,
-// in real time, with its pins wired to the bring-up.
+// The virtual Create that a program starts for itself if no port is named: on a pseudo-terminal, in
+// real time, with its pins wired to the bring-up.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,13 @@ namespace cargobay::hal::sim {
 
 class VirtualCreate {
  public:
-  // For 19200 baud it is found switched off, with BRC pin, power toggle and indicator wired: the
-  // bring-up has everything to do. For other rates it is on and talks at 57600.
+  // For 19200 baud it starts switched off, with BRC pin, power toggle and indicator wired, so that
+  // the bring-up has everything to do. For other rates it is on and talks at 57600.
   static Result<std::unique_ptr<VirtualCreate>> start(Parameters robot, std::uint32_t wanted_baud,
                                                       int priority);
 
   Server& server() { return *server_; }
-  // Valid as long as this is.
+  // Valid as long as this object.
   RobotPins pins();
 
  private:

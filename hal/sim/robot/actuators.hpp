@@ -1,4 +1,5 @@
-// What the robot's outputs show: LEDs, digital outputs, low side drivers, infrared (OI p. 9 to 11).
+// The state of the robot's outputs: LEDs, digital outputs, low side drivers, infrared (OI p. 9 to
+// 11).
 #pragma once
 
 #include <algorithm>
@@ -30,7 +31,7 @@ struct Actuators {
             .power_color = color,
             .power_intensity = intensity};
   }
-  // All on or off, one bit a driver.
+  // All on or off, one bit per driver.
   void switch_low_side_drivers(std::uint8_t bits) {
     for (unsigned i = 0; i < low_side_drivers.size(); ++i) {
       low_side_drivers[i] =

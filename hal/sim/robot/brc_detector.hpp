@@ -1,5 +1,5 @@
-// Judges the pulses on the Baud Rate Change pin: after 2 s of power, three low pulses of 50 to 500
-// ms set the robot to 19200 baud (OI p. 5).
+// Judges the pulses on the Baud Rate Change pin: from 2 s after power-on, three low pulses of 50 to
+// 500 ms set the robot to 19200 baud (OI p. 5).
 #pragma once
 
 #include "rt/clock.hpp"
@@ -13,13 +13,13 @@ class BrcDetector {
   static constexpr rt::Duration kLongestPulse = std::chrono::milliseconds{500};
   static constexpr int kPulses = 3;
 
-  // Begins again; pulses count from 2 s after this.
+  // Starts over; pulses count from 2 s after this.
   constexpr void power_on(rt::Duration now) {
     listens_from_ = now + kAfterPowerOn;
     pulses_ = 0;
   }
-  // The pin's level from now on. True when this ends the third pulse; one that is too short, too
-  // long or too early begins the count again.
+  // The pin's level from now on. True if this ends the third pulse; a pulse that is too short, too
+  // long or too early restarts the count.
   constexpr bool set_level(bool high, rt::Duration now) {
     if (high == high_) return false;
     high_ = high;

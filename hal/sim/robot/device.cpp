@@ -11,11 +11,11 @@ namespace cargobay::hal::sim {
 namespace {
 
 constexpr std::uint32_t kFastBaud = 115200;
-// What the robot keeps of the bytes that come while it waits: room for a script and some more.
+// Room for the bytes that come while the robot waits: a script and some more.
 constexpr std::size_t kInputRoom = 512;
 constexpr std::uint64_t kJunkSeed = 0x6a756e6b;
 
-// "The force field on top of the Home Base also trips this sensor" (OI p. 17), whoever shows it.
+// "The force field on top of the Home Base also trips this sensor" (OI p. 17), whatever sends it.
 void see_force_field(Inputs& seen) {
   if (seen.home_base && seen.infrared == kNoInfrared) seen.infrared = kInfraredWhenDocked;
   if (seen.home_base || has_force_field(seen.infrared)) seen.virtual_wall = true;
@@ -90,8 +90,8 @@ void Device::advance(rt::Duration period) {
   now_ = end;
 }
 
-// The wheels are integrated from one change to the next and no finer, so that how time is cut into
-// calls of advance() leaves no trace.
+// Integrates the wheels from one change to the next and no finer, so that the result does not
+// depend on how time is divided into calls of advance().
 void Device::advance_wheels() {
   wheels_.advance(now_ - wheels_at_);
   wheels_at_ = now_;
@@ -119,8 +119,8 @@ void Device::tick() {
   if (on_tick) on_tick(*this);
 }
 
-// A motor is given 1.0 A and no more (OI p. 17): one that is asked for more than that moves stands
-// still, and one that is held draws it.
+// A motor gets 1.0 A at most (OI p. 17): a wheel that needs more to move stands still, and a wheel
+// that is held draws that much.
 void Device::overload_wheels() {
   wheels_.set_blocked(left_blocked_ || seen_.overcurrent_left_wheel,
                       right_blocked_ || seen_.overcurrent_right_wheel);
@@ -147,7 +147,7 @@ void Device::release_buttons() {
 void Device::tick_oi() {
   songs_.advance(now_);
   if (mode_ == oi::Mode::safe) {
-    // Not even a robot that waits keeps rolling.
+    // Applies even while a script waits: the robot must not keep rolling.
     if (const auto found = hazard(seen_, commanded(), parameters_.wheels.wheel_base_mm)) {
       last_hazard_ = found;
       ++counters_.safety_stops;
@@ -164,8 +164,8 @@ void Device::tick_oi() {
   }
 }
 
-// A frame goes out whole or in part, as the room lets it: "the data stream will eventually become
-// corrupted" is what the manual promises (OI p. 14).
+// A frame goes out whole or in part, as far as there is room: "the data stream will eventually
+// become corrupted", as the manual says (OI p. 14).
 void Device::send_frame() {
   std::uint32_t size = 0;
   for (const std::uint8_t id : stream_.packets()) {
@@ -201,7 +201,7 @@ void Device::print(std::string_view text) {
 
 void Device::receive(std::uint8_t byte) {
   ++counters_.bytes_received;
-  // At 115200 what begins less than 200 us after the last byte heard is lost (OI p. 7).
+  // At 115200 a byte that begins less than 200 us after the last one heard is lost (OI p. 7).
   const bool too_close = baud_ == kFastBaud && last_heard_ != rt::Duration::min() &&
                          now_ - last_heard_ < oi::kByteSpacingAt115200;
   if (power_ != Power::on || too_close || now_ < deaf_until_) {

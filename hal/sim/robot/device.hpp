@@ -1,8 +1,8 @@
-// The virtual Create: bytes in, bytes out, and time that passes only when it is told to. No clock,
-// no threads, and the same bytes at the same instants always give the same bytes back.
+// The virtual Create: bytes in, bytes out, and time that passes only when it is advanced. No clock,
+// no threads; the same bytes at the same instants always give the same bytes back.
 //
-// It wants its bytes at the instant each has fully arrived: hal/sim/line/cable.hpp brings them
-// there. Nothing allocates after construction, apart from what the hooks do.
+// It takes each byte at the instant when it has fully arrived: hal/sim/line/cable.hpp does that.
+// Nothing allocates after construction, except what the hooks do.
 #pragma once
 
 #include <array>
@@ -38,7 +38,7 @@
 
 namespace cargobay::hal::sim {
 
-// What no sensor tells.
+// The true state, which no sensor reports.
 struct Truth {
   Pose pose{};
   WheelSpeeds speeds{};
@@ -47,31 +47,31 @@ struct Truth {
 // A Drive or Drive Direct that the robot obeyed, as wheel speeds.
 struct DriveRecord {
   rt::Duration time{};
-  std::uint64_t tick = 0;  // ticks so far: two records of one number share a 15 ms slot
+  std::uint64_t tick = 0;  // ticks so far: two records with the same number share a 15 ms slot
   WheelSpeeds command{};
 };
 
 struct DeviceCounters {
   std::uint64_t bytes_received = 0;
   std::uint64_t bytes_unheard = 0;     // off, booting, changing the rate, or too close at 115200
-  std::uint64_t bytes_overrun = 0;     // no room to keep them while the robot waits
+  std::uint64_t bytes_overrun = 0;     // there was no room to keep them while the robot waits
   std::uint64_t commands = 0;          // obeyed
   std::uint64_t commands_refused = 0;  // not available in the mode
-  // Obeyed, with data beyond the manual's range: brought into it, or ignored.
+  // Obeyed, with data outside the manual's range: clamped to it, or ignored.
   std::uint64_t commands_out_of_range = 0;
   std::uint64_t unknown_opcodes = 0;
   std::uint64_t bytes_sent = 0;
-  std::uint64_t bytes_lost = 0;  // more asked for than the wire carries
+  std::uint64_t bytes_lost = 0;  // more were requested than the wire carries
   std::uint64_t frames_sent = 0;
   std::uint64_t safety_stops = 0;  // Safe became Passive
   std::uint64_t boots = 0;
 };
 
-// What goes wrong inside the robot; what goes wrong on its line is hal/sim/line/line_faults.hpp.
+// What goes wrong inside the robot; for its line see hal/sim/line/line_faults.hpp.
 struct DeviceFaults {
-  rt::Duration stalled_until{0};     // until then the stream has no frames
-  std::uint32_t garbled_frames = 0;  // so many of the next frames are garbled, headers apart
-  std::uint32_t junk_readings = 0;   // so many of the next distances and angles are junk
+  rt::Duration stalled_until{0};     // no stream frames until then
+  std::uint32_t garbled_frames = 0;  // how many of the next frames to garble, except their headers
+  std::uint32_t junk_readings = 0;   // how many of the next distances and angles are junk
 };
 
 enum class Power : std::uint8_t { off, booting, on };
@@ -83,28 +83,28 @@ class Device {
   Device& operator=(const Device&) = delete;
   ~Device() = default;
 
-  // A byte has arrived whole, now.
+  // A byte has fully arrived, now.
   void receive(std::uint8_t byte);
-  // What it sends: pop from it what has arrived at the other end.
+  // What it sends: pop the bytes that have arrived at the other end.
   UartLine& output() { return output_; }
   const UartLine& output() const { return output_; }
-  // The rate it listens at.
+  // The rate that it listens at.
   std::uint32_t baud() const { return baud_; }
 
   void advance(rt::Duration period);
-  // At most this may pass before it does something by itself. Never negative.
+  // How much time may pass at most before it does something by itself. Never negative.
   rt::Duration until_next_event() const;
-  // Since the beginning.
+  // Since it was built.
   rt::Duration now() const { return now_; }
   std::uint64_t ticks() const { return ticks_; }
 
-  // The pins and the button, from now on (OI p. 4, 5).
+  // The pins and the power button, from now on (OI p. 4, 5).
   void press_power();
-  void set_power_toggle(bool high);  // pin 3: low to high turns it on or off
+  void set_power_toggle(bool high);  // pin 3: low to high toggles the power
   void set_brc(bool high);           // pin 15
-  // The processor starts again, as by opcode 7: 4.5 s.
+  // Restarts the processor, as opcode 7 does: takes 4.5 s.
   void reset();
-  // The battery fails for an instant: nothing is remembered.
+  // The battery fails for an instant: the robot forgets everything.
   void brown_out();
 
   Power power() const { return power_; }
@@ -113,60 +113,60 @@ class Device {
   WheelSpeeds commanded() const { return wheels_.command(); }
   const Actuators& actuators() const { return actuators_; }
   const SongPlayer& songs() const { return songs_; }
-  // The MIDI number that sounds, of a song, a demo or the robot's own; 0 for silence.
+  // The MIDI number of the note that sounds, from a song, a demo or the robot itself; 0: silence.
   std::uint8_t sounding() const;
   const StreamSender& stream() const { return stream_; }
   std::span<const std::uint8_t> script() const { return script_; }
-  // Deaf, and silent: a Wait command has not ended.
+  // Deaf and silent: a Wait command has not ended yet.
   bool waiting() const { return wait_.active(); }
-  // A reply that the line has not had room for: what comes meanwhile is kept for later.
+  // A reply is waiting for room on the line; what comes meanwhile is kept for later.
   bool replying() const { return reply_.under_way(); }
   const Demos& demos() const { return demos_; }
   Battery& battery() { return battery_; }
   const Battery& battery() const { return battery_; }
   bool brc_high() const { return brc_.high(); }
-  // Why Safe became Passive last.
+  // Why Safe last became Passive.
   std::optional<Hazard> last_hazard() const { return last_hazard_; }
   const DeviceCounters& counters() const { return counters_; }
-  // So many bytes, at least, complete the command that it is in the middle of; 0 between commands.
+  // How many bytes, at least, complete the command in progress; 0 between commands.
   std::size_t bytes_awaited() const { return parser_.needed(); }
   const Parameters& parameters() const { return parameters_; }
 
-  // What the sensors would see from the next tick on.
+  // What the sensors see from the next tick on.
   Inputs& inputs() { return inputs_; }
   const Inputs& inputs() const { return inputs_; }
-  // What they saw at the last tick: the inputs, and what the surroundings added.
+  // What they saw at the last tick: the inputs, plus what the surroundings added.
   const Inputs& seen() const { return seen_; }
   // Holds a button down for that long, from the next tick on.
   void press(oi::Button button, rt::Duration period);
   void place(const Pose& pose);
   void set_wheels_blocked(bool left, bool right);
-  // Turns its wheels from outside from now on, by hand or by a push; their motors are stronger.
+  // Turns the wheels from outside from now on, by hand or by a push; the motors are stronger.
   void turn_wheels(WheelSpeeds turned);
-  // Takes the battery out and puts a full one in: nothing is remembered, and it is off.
+  // Replaces the battery with a full one: the robot forgets everything, and is off.
   void change_battery(BatteryPack pack);
-  // What flows through each low side driver: what it is set to, at most its limit.
+  // The current through each low side driver: what it is set to, limited by the hardware.
   std::array<double, 3> low_side_driver_ma() const;
 
   DeviceFaults& faults() { return faults_; }
-  // Says something that is no answer to anything.
+  // Prints text that is not an answer to anything.
   void print(std::string_view text);
-  // Waits for the data of a command that nobody sent; in Passive mode where it was Off. Without
-  // power it does nothing.
+  // Leaves the robot waiting for the data of a command that was cut off; in Passive mode if it was
+  // Off. Does nothing without power.
   void take_half_command();
-  // Changes the rate behind everybody's back.
+  // Changes the rate without the host knowing.
   void set_baud(std::uint32_t baud);
 
-  // Called at each tick before the sensors look: a world may add to what they will see, which is
-  // the inputs above to begin with, and put the robot elsewhere.
+  // Called at each tick before the sensors look: a world may add to what they see, which starts as
+  // the inputs above, and may move the robot.
   std::function<void(Device&, Inputs& seen)> surroundings{};
   // Called for each drive command that is obeyed, and at the end of each tick. They may look at the
-  // device, not change it.
+  // device but not change it.
   std::function<void(const DriveRecord&)> on_drive{};
   std::function<void(const Device&)> on_tick{};
 
  private:
-  // Two instants at most are due: a tick and a change of the baud rate.
+  // At most two are pending: a tick and a change of the baud rate.
   rt::Duration next_event() const;
   void advance_wheels();
   void overload_wheels();
@@ -229,24 +229,24 @@ class Device {
   bool play_held_ = false;  // since power-on
   bool power_toggle_high_ = true;
   BrcDetector brc_{};
-  std::optional<std::uint32_t> brc_baud_{};  // holds through power-off, not through a lost battery
+  std::optional<std::uint32_t> brc_baud_{};  // survives power-off, but not the loss of the battery
 
   std::uint32_t baud_;
-  std::uint32_t next_baud_;  // what it sends at, once what was sent before has left
+  std::uint32_t next_baud_;  // the rate to send at, once the bytes sent before have left
   rt::Duration baud_change_at_{rt::Duration::max()};
   rt::Duration deaf_until_{0};
   rt::Duration last_heard_{rt::Duration::min()};
   UartLine output_;
   std::uint32_t sent_sum_ = 0;  // of a frame's bytes, for its checksum
   bool garbling_ = false;
-  RingBuffer<std::uint8_t> input_;  // heard and not interpreted: while it waits, all
+  RingBuffer<std::uint8_t> input_;  // heard, not interpreted: all that comes while it waits
   oi::CommandParser parser_{};
 
   oi::Mode mode_ = oi::Mode::off;
   Inputs inputs_{};
   rt::Duration play_released_at_{rt::Duration::max()};
   rt::Duration advance_released_at_{rt::Duration::max()};
-  Inputs seen_{};  // as they were at the last tick
+  Inputs seen_{};  // the inputs at the last tick
   Wheels wheels_;
   rt::Duration wheels_at_{0};
   bool left_blocked_ = false;  // by set_wheels_blocked()
@@ -255,12 +255,12 @@ class Device {
   Battery battery_;
   StreamSender stream_{};
   SongPlayer songs_{};
-  Melody own_sound_{};  // a beep, a tune: no song of the Open Interface
+  Melody own_sound_{};  // a beep or a tune, not a song of the Open Interface
   Actuators actuators_{};
   oi::FixedList<std::uint8_t, oi::kMaxScriptBytes> script_{};
   std::uint64_t script_tick_ = 0;  // of the last Play Script
   bool script_played_ = false;
-  bool script_again_ = false;  // it plays itself again, from the next tick on
+  bool script_again_ = false;  // it replays itself from the next tick on
   Wait wait_{};
   Reply reply_{};
   Demos demos_{};

@@ -1,6 +1,5 @@
-// What each command does (OI p. 7 to 16). Numbers outside the manual's range are brought into it
-// where the robot has a nearest thing to do, and ignored where it has not; either way they are
-// counted.
+// What each command does (OI p. 7 to 16). A number outside the manual's range is clamped if the
+// robot has a sensible nearest value, and ignored if not; either way it is counted.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +18,8 @@ namespace {
 
 constexpr oi::FirmwareDate kFirmware{.year = 7, .month = 9, .day = 24, .hour = 18, .minute = 35};
 
-// "Create beeps once to acknowledge it is starting from off" (OI p. 7); how, it does not say.
+// "Create beeps once to acknowledge it is starting from off" (OI p. 7); the manual does not say
+// how.
 constexpr std::array kStartBeep{oi::Note{84, oi::SixtyFourths{8}}};
 
 constexpr std::uint8_t low_byte(std::int32_t value) { return static_cast<std::uint8_t>(value); }
@@ -27,7 +27,7 @@ constexpr std::uint8_t low_byte(std::int32_t value) { return static_cast<std::ui
 }  // namespace
 
 void Device::process() {
-  // Each byte is taken once; Play Script adds a script's length, once a tick.
+  // Takes each byte once; Play Script adds the length of a script, once a tick.
   while (!input_.empty() && !waiting() && !replying() && power_ == Power::on) {
     const std::uint8_t byte = input_.front();
     input_.pop_front();
@@ -37,7 +37,7 @@ void Device::process() {
 
 void Device::interpret(std::uint8_t byte) {
   if (mode_ == oi::Mode::off) {
-    // Off does not even take the bytes of a command together: it listens for Start.
+    // Off does not even assemble commands: it only listens for Start.
     if (byte == oi::Start::kOpcode) {
       parser_.reset();
       ++counters_.commands;
@@ -83,7 +83,7 @@ void Device::execute(const oi::CommandInfo& info, std::span<const std::uint8_t> 
 bool Device::within_manual(std::span<const std::uint8_t> bytes) const {
   const oi::ParseResult parsed = oi::parse_command(bytes);
   if (parsed.outcome == oi::ParseResult::Outcome::command) return true;
-  // An extension's packet in a list or by itself is no mistake of the host's.
+  // An extension's packet, in a list or alone, is not a mistake of the host's.
   return parsed.error.argument != nullptr && parsed.error.argument->name == "packet" &&
          oi::find_packet(low_byte(parsed.error.value), parameters_.extensions) != nullptr;
 }
@@ -141,8 +141,8 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
 void Device::enter(oi::Mode mode) {
   const bool controlled = mode_ == oi::Mode::safe || mode_ == oi::Mode::full;
   const bool controls = mode == oi::Mode::safe || mode == oi::Mode::full;
-  // Taken over, it "waits with all motors and LEDs off"; let go, it stops. Between Safe and Full
-  // the wheels turn on.
+  // On entering Safe or Full, it "waits with all motors and LEDs off"; on leaving them, it stops.
+  // Between Safe and Full the wheels keep turning.
   if (controls) actuators_.leds = {};
   if (controls != controlled || demos_.running()) stop_motors();
   demos_.stop();
@@ -155,7 +155,7 @@ void Device::stop_motors() {
   actuators_.low_side_drivers = {};
 }
 
-// For 100 ms nothing is heard.
+// The robot hears nothing for 100 ms.
 void Device::change_baud(std::int32_t code) {
   if (code < 0 || code >= static_cast<std::int32_t>(oi::kBaudRates.size())) return;
   brc_baud_.reset();
@@ -163,7 +163,7 @@ void Device::change_baud(std::int32_t code) {
   deaf_until_ = now_ + oi::kBaudChangeWait;
 }
 
-// The new rate holds once what was sent before has left.
+// The new rate applies once everything sent before has left.
 void Device::switch_baud(std::uint32_t baud) {
   next_baud_ = baud;
   baud_change_at_ = std::max(now_, output_.free_at());
@@ -173,7 +173,7 @@ void Device::take_half_command() {
   if (power_ != Power::on) return;
   if (mode_ == oi::Mode::off) enter(oi::Mode::passive);
   parser_.reset();
-  // The longest there is: a song of 255 notes.
+  // The longest command there is: a song of 255 notes.
   for (const std::uint8_t byte : {oi::Song::kOpcode, std::uint8_t{0}, std::uint8_t{255}}) {
     interpret(byte);
   }
@@ -200,10 +200,10 @@ void Device::drive(std::int32_t velocity_mm_s, std::int32_t radius_mm) {
       0.5 * parameters_.wheels.wheel_base_mm / static_cast<double>(radius_mm);
   WheelSpeeds speeds{velocity * (1.0 - half_base_per_radius),
                      velocity * (1.0 + half_base_per_radius)};
-  // An arc too fast for the outer wheel is driven slower, on the same arc (OI p. 9).
+  // An arc that is too fast for the outer wheel is driven slower, on the same arc (OI p. 9).
   const double fastest = std::max(std::abs(speeds.left_mm_s), std::abs(speeds.right_mm_s));
   if (fastest > oi::kMaxWheelSpeed) {
-    constexpr double kMost = oi::kMaxWheelSpeed;  // and not a rounding more
+    constexpr double kMost = oi::kMaxWheelSpeed;  // rounding must not exceed it
     speeds.left_mm_s = std::clamp(speeds.left_mm_s * kMost / fastest, -kMost, kMost);
     speeds.right_mm_s = std::clamp(speeds.right_mm_s * kMost / fastest, -kMost, kMost);
   }
@@ -250,7 +250,7 @@ void Device::tick_demo() {
   demo_note_ = action.note;
 }
 
-// Off and Passive, the robot is its own: Play starts and ends the demo that Advance selects.
+// In Off and Passive the robot acts by itself: Play starts and ends the demo that Advance selects.
 void Device::tick_buttons(const Inputs& before) {
   if (mode_ == oi::Mode::safe || mode_ == oi::Mode::full) return;
   if (waiting()) return;  // it does not "react to any inputs, serial or otherwise" (OI p. 15)
@@ -263,15 +263,15 @@ void Device::tick_buttons(const Inputs& before) {
   if (ends) stop_motors();
 }
 
-// One longer than the manual's 100 bytes is not stored, and what is stored stays, as with a song.
+// A script longer than the manual's 100 bytes is not stored; the old one stays, as with songs.
 void Device::store_script(std::span<const std::uint8_t> body) {
   if (body.size() > oi::kMaxScriptBytes) return;
   script_.clear();
-  (void)script_.append(body);  // it fits: asked above
+  (void)script_.append(body);  // it fits: checked above
 }
 
-// "Loads a script into the serial input queue" (OI p. 15): behind what is in it. One that plays
-// itself again without a wait does so once a tick.
+// "Loads a script into the serial input queue" (OI p. 15): after what is already there. A script
+// that replays itself without a wait does so once a tick.
 void Device::play_script() {
   if (script_.empty()) return;
   if (script_tick_ == ticks_ && script_played_) {

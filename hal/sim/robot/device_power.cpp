@@ -1,5 +1,5 @@
-// Power, boot and charging: what the robot is before and beside its Open Interface (OI p. 5), and
-// what it prints then.
+// Power, boot and charging: what the robot does before and besides its Open Interface (OI p. 5),
+// and what it prints then.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,14 +12,14 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// What the robot's bootloader and firmware say; the silence before it is 3 s.
+// What the robot's bootloader and firmware print; 3 s of silence come first.
 constexpr std::string_view kBootText =
     "bl-start\r\n2006-09-12-1137-L   \r\nRDK by iRobot!\r\nMC9S12E128\r\n2006-11-20-1731-L   \r\n"
     "battery-current-quiescent-raw 524  battery-current-zero 510\r\n\r\n2006-11-20-1731-L   \r\n";
 constexpr rt::Duration kBootSilence = std::chrono::seconds{3};
 constexpr rt::Duration kResetTime = std::chrono::milliseconds{4500};
 constexpr rt::Duration kPlayHeld = std::chrono::seconds{4};
-// "A tune of descending pitches" (OI p. 5); which, it does not say.
+// "A tune of descending pitches" (OI p. 5); the manual does not say which.
 constexpr std::array kTuneOf19200{
     oi::Note{79, oi::SixtyFourths{8}}, oi::Note{76, oi::SixtyFourths{8}},
     oi::Note{72, oi::SixtyFourths{8}}, oi::Note{67, oi::SixtyFourths{16}}};
@@ -29,7 +29,7 @@ constexpr double kSleepingMa = 5.0;
 constexpr double kIdleMa = 250.0;
 constexpr double kWheelMaPerMmPerSec = 0.5;
 constexpr double kStalledWheelMa = 1000.0;                   // OI p. 17
-constexpr double kDriverMa = 250.0;                          // of what hangs on a low side driver
+constexpr double kDriverMa = 250.0;                          // of a load at a low side driver
 constexpr std::array kDriverLimitsMa{500.0, 500.0, 1600.0};  // OI p. 17
 
 }  // namespace
@@ -78,7 +78,7 @@ void Device::forget_oi() {
 
 void Device::press_power() {
   if (power_ != Power::off) return switch_off();
-  output_.clear();  // what it had not sent, at 300 baud half a minute's worth, went with the power
+  output_.clear();  // unsent bytes, at 300 baud half a minute's worth, go with the power
   print("key-wakeup\r\n");
   switch_on(kPowerOnTime);
 }
@@ -152,7 +152,7 @@ void Device::tick_battery() {
   if (battery_.charging() && second_over && parameters_.charging_text) print_charging();
 }
 
-// Held down for 4 s since power-on, Play means 19200 (OI p. 5).
+// Holding Play down for 4 s from power-on means 19200 (OI p. 5).
 void Device::tick_play_held() {
   play_held_ = play_held_ && seen_.play_button && power_ != Power::off;
   if (!play_held_ || now_ < powered_at_ + kPlayHeld) return;

@@ -1,5 +1,5 @@
-// What each packet reads (OI p. 17 to 21). Sensors are as they were at the last tick; what the
-// robot knows of itself (packets 35 to 42) is as it is.
+// What each packet reads (OI p. 17 to 21). Sensors have the values of the last tick; what the robot
+// knows about itself (packets 35 to 42) is current.
 #include <cmath>
 
 #include "hal/sim/robot/device.hpp"
@@ -18,8 +18,8 @@ std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lroun
 
 }  // namespace
 
-// As far as the line has room, and on at the next tick: a reply comes whole, however long (255
-// times group 6 is 2.3 s at 57600).
+// Sends as far as the line has room, and continues at the next tick: a reply arrives whole, however
+// long (255 times group 6 takes 2.3 s at 57600).
 void Device::reply() {
   while (reply_.under_way() && output_.room() >= kLongestPart) {
     const std::uint8_t part = reply_.front();
@@ -28,7 +28,7 @@ void Device::reply() {
   }
 }
 
-// Nothing for an id that is no packet.
+// Sends nothing for an id that is not a packet.
 void Device::send_packet(std::uint8_t id) {
   const oi::PacketInfo* info = oi::find_packet(id, parameters_.extensions);
   if (info == nullptr) return;
@@ -56,7 +56,7 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
     case oi::PacketId::cliff_right: return seen_.cliff_right.cliff;
     case oi::PacketId::virtual_wall: return seen_.virtual_wall;
     case oi::PacketId::overcurrents:
-      // LD1 is bit 0 and LD0 bit 1: the manual has them in this order.
+      // LD1 is bit 0 and LD0 bit 1: this is the manual's order.
       return bit(seen_.overcurrent_low_side_driver[1], 0) |
              bit(seen_.overcurrent_low_side_driver[0], 1) |
              bit(seen_.overcurrent_low_side_driver[2], 2) | bit(seen_.overcurrent_right_wheel, 3) |
@@ -93,7 +93,7 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
   }
 }
 
-// The first reading after connecting is junk on real robots: one of each, where that fault is on.
+// On real robots the first reading after connecting is junk: with that fault, one of each.
 std::int32_t Device::junk_or(std::int32_t reading) {
   if (faults_.junk_readings == 0) return reading;
   --faults_.junk_readings;

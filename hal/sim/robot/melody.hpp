@@ -1,4 +1,4 @@
-// Notes that sound one after the other: a song, or what the robot plays by itself.
+// Notes that sound one after the other: a song, or a tune of the robot itself.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace cargobay::hal::sim {
 
 class Melody {
  public:
-  // At most sixteen notes, from now on. They are copied: where they came from may change.
+  // At most sixteen notes, from now on. They are copied: their source may change.
   void start(std::span<const oi::Note> notes, rt::Duration now) {
     length_ = std::min(notes.size(), notes_.size());
     std::copy_n(notes.begin(), length_, notes_.begin());
@@ -31,7 +31,7 @@ class Melody {
   }
 
   bool playing() const { return playing_; }
-  // The MIDI number that sounds; 0 for silence.
+  // The MIDI number of the note that sounds; 0: silence.
   std::uint8_t sounding(rt::Duration now) const {
     if (!playing_) return 0;
     rt::Duration note_ends = started_at_;
@@ -45,7 +45,7 @@ class Melody {
   }
 
  private:
-  // Others are rests (OI p. 11).
+  // Lower numbers are rests (OI p. 11).
   static constexpr std::uint8_t kLowest = 31;
   static constexpr std::uint8_t kHighest = 127;
 

@@ -1,5 +1,5 @@
-// The virtual Create's pins as what a GPIO line is: the bring-up that plays pulses on a Pi's lines
-// plays them into the robot.
+// The virtual Create's pins as GPIO lines: a bring-up that plays pulses on a Pi's lines plays them
+// into the robot.
 #pragma once
 
 #include <functional>
@@ -10,12 +10,12 @@
 
 namespace cargobay::hal::sim {
 
-// Runs a change on the robot as it is now: Server::with_device, or the device itself.
+// Runs a change on the robot in its present state: Server::with_device, or the device itself.
 using DeviceAccess = std::function<void(const std::function<void(Device&)>&)>;
 
 class Pins {
  public:
-  // Whatever `access` reaches outlives the pins.
+  // Everything that `access` uses outlives the pins.
   explicit Pins(const DeviceAccess& access)
       : brc{access}, power_toggle{access}, power_sense{access}, charging{access} {}
 

@@ -1,4 +1,5 @@
-// The answer under way: what Sensors, Query List or Show Script asked for and has not been sent.
+// The answer in progress: what Sensors, Query List or Show Script asked for and is still to be
+// sent.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@ namespace cargobay::hal::sim {
 
 class Reply {
  public:
-  // Of these packets, or of these bytes as they are; at most 255. Only when none is under way.
+  // Of these packets, or of these bytes unchanged; at most 255. Only if no reply is under way.
   void begin_packets(std::span<const std::uint8_t> ids) { begin(Kind::packets, ids); }
   void begin_bytes(std::span<const std::uint8_t> bytes) { begin(Kind::bytes, bytes); }
   void clear() {
@@ -21,7 +22,7 @@ class Reply {
   }
 
   bool under_way() const { return sent_ < parts_.size(); }
-  // Its next part, a packet's id or a byte. Only while under way.
+  // Its next part, a packet's id or a byte. Only while one is under way.
   bool is_packet() const { return kind_ == Kind::packets; }
   std::uint8_t front() const { return parts_[sent_]; }
   void pop() { ++sent_; }

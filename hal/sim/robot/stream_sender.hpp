@@ -1,4 +1,4 @@
-// The list of packets the robot streams, and whether it does (OI p. 14).
+// The list of packets that the robot streams, and whether it streams (OI p. 14).
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ namespace cargobay::hal::sim {
 
 class StreamSender {
  public:
-  // A new list starts the stream, an empty one ends it. Ids that are no packets are passed over. A
-  // list of more than the manual's 43 is ignored: the stream is what it was.
+  // A new list starts the stream, an empty one ends it. Ids that are not packets are skipped. A
+  // list longer than the manual's 43 is ignored: the stream stays as it was.
   void start(std::span<const std::uint8_t> packet_ids, oi::Extensions extensions) {
     if (packet_ids.size() > oi::kMaxStreamPackets) return;
     packets_.clear();
     for (const std::uint8_t id : packet_ids) {
       if (oi::find_packet(id, extensions) != nullptr)
-        (void)packets_.push_back(id);  // never full: asked above
+        (void)packets_.push_back(id);  // never full: checked above
     }
     running_ = true;
   }

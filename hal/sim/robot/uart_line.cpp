@@ -21,7 +21,8 @@ bool UartLine::push(rt::Duration now, std::uint8_t value, std::uint32_t baud,
     burst_bytes_ = 0;
     burst_baud_ = baud;
   }
-  // Counted from the first byte of the burst: a rate that does not divide a second does not drift.
+  // Counted from the first byte of the burst, so that a rate that does not divide a second does not
+  // drift.
   ++burst_bytes_;
   free_at_ = burst_start_ + bit_time(kBitsPerByte * burst_bytes_, baud);
   return flights_.push_back({.start = start, .end = free_at_, .baud = baud, .value = value});
@@ -35,7 +36,7 @@ std::optional<rt::Duration> UartLine::next_arrival(std::uint32_t baud) const {
 
 std::optional<rt::Duration> UartLine::batch_arrival(std::size_t count) const {
   if (flights_.empty() || count == 0) return std::nullopt;
-  // The front one may have arrived already and only still be on the line.
+  // The first one may have arrived already, with only its end still on the line.
   const std::size_t first = flights_.front().start < listen_from_ ? 1 : 0;
   if (first == flights_.size()) return std::nullopt;
   return flights_[std::min(first + count, flights_.size()) - 1].end;
@@ -108,7 +109,8 @@ std::optional<UartLine::Sampled> UartLine::sample(std::uint32_t baud) const {
   std::optional<rt::Duration> edge = falling_edge(listen_from_);
   while (edge && glitch(*edge, baud)) edge = falling_edge(*edge + kInstant);
   if (!edge) return std::nullopt;
-  // In half bits from the edge: 3, 5 .. 17 are the middles of the data bits, 19 that of the stop.
+  // In half bits from the edge: 3, 5 .. 17 are the middles of the data bits, 19 that of the stop
+  // bit.
   unsigned value = 0;
   for (unsigned bit = 0; bit < 8; ++bit) {
     if (level(*edge + bit_time(3 + 2 * static_cast<std::int64_t>(bit), 2 * baud)))
@@ -121,7 +123,7 @@ std::optional<UartLine::Sampled> UartLine::sample(std::uint32_t baud) const {
                  .listen_from = stop};
 }
 
-// A UART looks at the start bit once more in its middle: what is high again by then was none.
+// A UART checks the start bit again in its middle: if the line is high by then, it was a glitch.
 bool UartLine::glitch(rt::Duration edge, std::uint32_t baud) const {
   return level(edge + bit_time(1, 2 * baud));
 }
@@ -137,8 +139,8 @@ void UartLine::pass_over_glitches(rt::Duration now, std::uint32_t baud) {
 
 void UartLine::forget_past() {
   while (!flights_.empty() && flights_.front().end <= listen_from_) flights_.pop_front();
-  // At equal rates the receiver is through with a byte half a bit before its end, and what is left
-  // is the stop bit: no edge can come from it.
+  // At equal rates the receiver has finished with a byte half a bit before its end, and the rest is
+  // the stop bit: no edge can come from it.
   while (!flights_.empty() &&
          flights_.front().start + bit_time(19, 2 * flights_.front().baud) <= listen_from_) {
     flights_.pop_front();

@@ -1,4 +1,4 @@
-// What the four Wait commands wait for (OI p. 15, 16). Looked at once a tick.
+// What the four Wait commands wait for (OI p. 15, 16). Checked once a tick.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace cargobay::hal::sim {
 
-// Whether the event, one of 1 to 22, is so.
+// Whether the event, one of 1 to 22, is true.
 bool happens(oi::Event event, const Inputs& seen, oi::Mode mode);
 
 class Wait {
  public:
-  // What a wait looks at.
+  // The values that a wait checks.
   struct View {
     rt::Duration now{};
     double distance_mm = 0.0;  // since the wait began
@@ -24,7 +24,7 @@ class Wait {
     oi::Mode mode = oi::Mode::off;
   };
 
-  // No time, no distance and no angle have passed already, whichever way the robot goes.
+  // A time, distance or angle of 0 is over at once, whichever way the robot moves.
   void for_time(std::int32_t tenths, rt::Duration now) {
     begin(tenths == 0 ? Kind::none : Kind::time);
     until_ = now + std::chrono::milliseconds{100} * tenths;
@@ -51,7 +51,7 @@ class Wait {
   void end() { kind_ = Kind::none; }
 
   bool active() const { return kind_ != Kind::none; }
-  // Ends the wait where what it waits for has come.
+  // Ends the wait if what it waits for has come.
   void look(const View& view);
 
  private:

@@ -7,7 +7,7 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// At its fastest a robot drives 8 mm a tick, and what it runs into moves it no further than that.
+// At full speed a robot drives 8 mm a tick, and an obstacle moves it no further than that.
 constexpr double kLeapMm = 50.0;
 
 double distance_mm(const Pose& a, const Pose& b) {
@@ -23,7 +23,7 @@ PathRecorder::PathRecorder(std::size_t most) : most_{std::max<std::size_t>(most,
 void PathRecorder::add(const Pose& pose, bool bumper_pushed) {
   const bool first = kept_.empty();
   const bool leapt = !first && distance_mm(last_.pose, pose) > kLeapMm;
-  // Where it leapt from is worth keeping too.
+  // The place it leapt from is worth keeping too.
   if (leapt) {
     if (kept_.size() == most_) thin_out();
     kept_.push_back(last_);
@@ -36,8 +36,8 @@ void PathRecorder::add(const Pose& pose, bool bumper_pushed) {
   kept_.push_back(last_);
 }
 
-// Every second one goes, but for the first and the last; what it had to tell is told by the one
-// behind it.
+// Drops every second waypoint, except the first and the last; the next one takes over what it had
+// to report.
 void PathRecorder::thin_out() {
   std::size_t count = 0;
   Waypoint gone{};
@@ -58,7 +58,7 @@ std::vector<Waypoint> PathRecorder::path() const {
   if (!path.empty() && distance_mm(path.back().pose, last_.pose) > 0.0) {
     path.push_back({.pose = last_.pose});
   } else if (!path.empty()) {
-    path.back().pose = last_.pose;  // turned on the spot
+    path.back().pose = last_.pose;  // it turned in place
   }
   return path;
 }

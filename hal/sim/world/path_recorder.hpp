@@ -1,5 +1,5 @@
-// The way a robot took, in bounded memory: one that becomes too long is thinned out, over all its
-// length alike.
+// The path of a robot, in bounded memory: one that becomes too long is thinned out evenly over its
+// whole length.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,28 @@ namespace cargobay::hal::sim {
 
 struct Waypoint {
   Pose pose{};
-  bool placed = false;  // put there: it did not drive there from the waypoint before
-  bool bumped = false;  // its bumper was pushed, for the first time in a row
+  bool placed = false;  // put there: the robot did not drive there from the waypoint before
+  bool bumped = false;  // its bumper was pushed, and was not at the tick before
 };
 
 class PathRecorder {
  public:
-  // Keeps at most so many waypoints, and no fewer than four.
+  // Keeps at most `most` waypoints; the least is four.
   explicit PathRecorder(std::size_t most = 16384);
 
-  // Where it is, once a tick.
+  // The robot's pose; call it once a tick.
   void add(const Pose& pose, bool bumper_pushed);
-  // From the first place to the last one, both of them included.
+  // From the first place to the last, both included.
   std::vector<Waypoint> path() const;
 
  private:
   void thin_out();
 
   std::size_t most_;
-  double spacing_mm_ = 5.0;  // between waypoints; doubled where they are thinned out
+  double spacing_mm_ = 5.0;  // between waypoints; doubled at each thinning
   bool pushed_ = false;      // at the tick before
   std::vector<Waypoint> kept_{};
-  Waypoint last_{};  // where it is now
+  Waypoint last_{};  // where the robot is now
 };
 
 }  // namespace cargobay::hal::sim

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 
-// The robot's own places, seen from its centre.
+// Parts of the robot, seen from its centre.
 constexpr double kBumperHalfDeg = 90.0;  // the bumper is the front half
-constexpr double kBumperBothDeg = 15.0;  // a contact so near to straight ahead is both
+constexpr double kBumperBothDeg = 15.0;  // a contact this close to straight ahead pushes both sides
 constexpr double kCliffSensorMm = 150.0;
 constexpr double kCliffSideDeg = 65.0;
 constexpr double kCliffFrontDeg = 17.0;
@@ -53,10 +53,10 @@ double angle_deg(Point a) { return std::atan2(a.y_mm, a.x_mm) * kDegreesPerRad; 
 Point direction(double degrees) {
   return {std::cos(degrees / kDegreesPerRad), std::sin(degrees / kDegreesPerRad)};
 }
-// Into -180 to 180.
+// Wraps to -180 to 180.
 double wrapped_deg(double degrees) { return std::remainder(degrees, 360.0); }
 
-// The place `distance_mm` from the robot's centre, at that angle from its heading.
+// The point `distance_mm` from the robot's centre, at that angle from its heading.
 Point place(const Pose& pose, double distance_mm, double off_heading_deg) {
   const double heading_deg = pose.heading_rad * kDegreesPerRad + off_heading_deg;
   return Point{pose.x_mm, pose.y_mm} + distance_mm * direction(heading_deg);
@@ -83,7 +83,7 @@ Point nearest(const Segment& segment, Point at) {
   return segment.from + part * along;
 }
 
-// Calls visit(nearest point) for each thing that can be run into.
+// Calls visit(nearest point) for each obstacle.
 template <typename Visit>
 void visit_nearest(const World& world, Point at, Visit&& visit) {
   const auto visit_circle = [&](Point centre, double radius_mm) {
@@ -99,7 +99,7 @@ void visit_nearest(const World& world, Point at, Visit&& visit) {
   for (const Beam& wall : world.virtual_walls) visit_circle(wall.origin, kVirtualWallRadiusMm);
 }
 
-// How far along the ray the segment is; infinite where it is not met.
+// How far along the ray the segment is; infinite if the ray misses it.
 double met_at(Point from, Point toward, const Segment& segment) {
   const Point along = segment.to - segment.from;
   const double parallel = cross(toward, along);
@@ -119,7 +119,7 @@ double met_at(Point from, Point toward, const Circle& post) {
   return along - std::sqrt(half_chord);
 }
 
-// The distance to the first thing in that direction, a unit vector.
+// The distance to the first obstacle in that direction, a unit vector.
 double free_way_mm(const World& world, Point from, Point toward) {
   double distance = std::numeric_limits<double>::infinity();
   for (const Segment& wall : world.walls) distance = std::min(distance, met_at(from, toward, wall));
@@ -134,7 +134,7 @@ double free_way_mm(const World& world, Point from, Point toward) {
 bool in_sight(const World& world, Point from, Point to) {
   const double distance = length(to - from);
   if (distance == 0.0) return true;
-  // What stands at either end, as the base does at its own wall, hides nothing.
+  // What stands at either end, like the base at its own wall, hides nothing.
   constexpr double kSlackMm = 20.0;
   const Point toward = (1.0 / distance) * (to - from);
   return free_way_mm(world, from + kSlackMm * toward, toward) >= distance - 2.0 * kSlackMm;
@@ -171,7 +171,7 @@ void sense_wall(const World& world, const Pose& pose, Inputs& inputs) {
   if (distance < kWallSeenMm) inputs.wall = true;
 }
 
-// Whether light from there comes in through the opening of the receiver.
+// Whether light from there enters through the opening of the receiver.
 bool comes_in(const Pose& pose, Point from, double opening_deg) {
   const double bearing_deg = angle_deg(from - Point{pose.x_mm, pose.y_mm});
   const double off_deg = wrapped_deg(bearing_deg - pose.heading_rad * kDegreesPerRad);
@@ -192,7 +192,7 @@ void sense_virtual_walls(const World& world, const Pose& pose, double opening_de
   }
 }
 
-// Of a buoy and the force field, what lights that place: bits of the infrared byte.
+// Which of the buoys and the force field light that place: bits of the infrared byte.
 std::uint8_t light_of_home_base(const World& world, Point at) {
   const Beam& base = *world.home_base;
   const Point away = at - base.origin;
@@ -203,7 +203,7 @@ std::uint8_t light_of_home_base(const World& world, Point at) {
   const double off_deg = wrapped_deg(angle_deg(away) - base.heading_deg);
   std::uint8_t light = 0;
   if (distance < kForceFieldMm) light |= kForceField;
-  // Seen from the base, red is to its left and green to its right; in the middle both are.
+  // Seen from the base, red is to its left and green to its right; both overlap in the middle.
   const bool lit = distance < kBuoyRangeMm;
   if (lit && off_deg > -kBuoyOverlapDeg && off_deg < kBuoyWideDeg) light |= kRedBuoy;
   if (lit && off_deg < kBuoyOverlapDeg && off_deg > -kBuoyWideDeg) light |= kGreenBuoy;
@@ -251,7 +251,7 @@ std::optional<Contact> World::collide(const Pose& pose) const {
       contact.left = contact.left || off_deg > -kBumperBothDeg;
       contact.right = contact.right || off_deg < kBumperBothDeg;
     }
-    if (deepest_mm == 0.0) break;  // in the middle of it: nowhere to go
+    if (deepest_mm == 0.0) break;  // at its very centre: no way out
     contact.centre = from - (kRobotRadiusMm / deepest_mm) * toward;
   }
   if (!touched) return std::nullopt;
@@ -270,7 +270,7 @@ void inhabit(Device& device, const World& world) {
   device.surroundings = [&world](Device& robot, Inputs& seen) {
     Pose pose = robot.truth().pose;
     if (const auto contact = world.collide(pose)) {
-      // Held, its wheels slip: the encoders count on, the robot does not get there.
+      // Held, its wheels slip: the encoders keep counting, but the robot does not move.
       pose.x_mm = contact->centre.x_mm;
       pose.y_mm = contact->centre.y_mm;
       robot.place(pose);

@@ -1,4 +1,4 @@
-// A flat world for the virtual Create: what it runs into, falls off, sees and is seen by. Lengths
+// A flat world for the virtual Create: what it runs into, falls off, sees, and is seen by. Lengths
 // in millimetres, angles in degrees, counter-clockwise.
 #pragma once
 
@@ -40,7 +40,7 @@ struct Beam {
   double heading_deg = 0.0;
 };
 
-// Where the robot stands after what it ran into held it, and where it was touched.
+// Where the robot stands after an obstacle held it, and where it was touched.
 struct Contact {
   Point centre{};
   bool left = false;  // of its bumper
@@ -56,17 +56,17 @@ struct World {
   std::optional<Beam> home_base{};  // the heading is the way it faces
   Pose start{};
 
-  // One thing a line:
+  // One item per line:
   //   wall X1 Y1 X2 Y2 · box X Y WIDTH HEIGHT · post X Y RADIUS · cliff X Y WIDTH HEIGHT
   //   virtual-wall X Y HEADING · home-base X Y HEADING · start X Y HEADING
-  // What follows a # is a comment. A failure names the line.
+  // A # begins a comment. A failure names the line.
   static Result<World> parse(std::string_view text);
   static Result<World> load(const std::string& path);
 
-  // Nothing where the robot touches nothing.
+  // Nothing if the robot touches nothing.
   std::optional<Contact> collide(const Pose& pose) const;
-  // Adds what a robot in that place would see; bumps are collide()'s. Its infrared receiver sees so
-  // far around, the front in the middle.
+  // Adds what a robot in that place would see, except bumps, which are collide()'s. Its infrared
+  // receiver sees as wide as `receiver_opening_deg`, centred on the front.
   void sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg = kAllAroundDeg) const;
 };
 

@@ -18,12 +18,12 @@ namespace {
 constexpr double kMarginMm = 200.0;
 constexpr double kMmPerPixel = 6.0;
 constexpr double kLegendMm = 260.0;  // two rows of it, below the floor
-constexpr double kFewestMm = 800.0;  // the least that is shown, each way
+constexpr double kFewestMm = 800.0;  // the least that is shown, in each direction
 constexpr double kGridMm = 500.0;
 constexpr double kPointApartMm = 5.0;
 constexpr double kBeamMm = 2000.0;
 constexpr double kBeamHalfDeg = 10.0;
-constexpr double kBuoyMm = 700.0;  // more would hide the room
+constexpr double kBuoyMm = 700.0;  // a longer one would hide the room
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 // Widths, sizes and colours.
@@ -43,7 +43,7 @@ constexpr std::string_view kStyle =
     "patternTransform='rotate(45)'><rect width='60' height='60' style='fill:#fee'/>"
     "<rect width='12' height='60' style='fill:#e99'/></pattern>\n";
 
-// The corner points of what is drawn.
+// The bounding box of the drawing.
 class Extent {
  public:
   void include(double x_mm, double y_mm, double around_mm = 0.0) {
@@ -94,7 +94,7 @@ Extent extent_of(const World& world, std::span<const Waypoint> path) {
 // SVG counts y downward. Never -0.
 double down(double y_mm) { return std::round(-y_mm) + 0.0; }
 
-// Text with numbers in it.
+// Builds text with numbers in it.
 class Drawing {
  public:
   void say(std::string_view text) { text_ += text; }
@@ -117,7 +117,7 @@ class Drawing {
     add("<line class='%s' x1='%.0f' y1='%.0f' x2='%.0f' y2='%.0f'/>\n", name, from.x_mm,
         down(from.y_mm), to.x_mm, down(to.y_mm));
   }
-  // What is lit from a lamp, between two angles from where it points.
+  // What a lamp lights, between two angles relative to where it points.
   void cone(const Beam& lamp, double from_deg, double to_deg, double range_mm, const char* name) {
     const Point from = on_circle(lamp.origin, range_mm, lamp.heading_deg + from_deg);
     const Point to = on_circle(lamp.origin, range_mm, lamp.heading_deg + to_deg);
@@ -143,7 +143,7 @@ void draw_floor(const Extent& extent, Drawing& drawing) {
   drawing.rectangle(
       {{extent.left(), extent.bottom() - kLegendMm}, extent.width(), extent.height() + kLegendMm},
       "floor");
-  // A world of kilometres gets no more lines than one can tell apart.
+  // A world of kilometres gets no more lines than the eye can separate.
   const double longest_mm = std::max(extent.width(), extent.height());
   const double grid_mm = kGridMm * std::ceil(longest_mm / (40.0 * kGridMm));
   const auto multiples = [grid_mm](double from, double to) {
@@ -169,7 +169,7 @@ void draw_floor(const Extent& extent, Drawing& drawing) {
 void draw_home_base(const Beam& base, Drawing& drawing) {
   drawing.cone(base, -kBuoyOverlapDeg, kBuoyWideDeg, kBuoyMm, "red");
   drawing.cone(base, -kBuoyWideDeg, kBuoyOverlapDeg, kBuoyMm, "green");
-  // 300 mm wide, and no higher than the robot drives over.
+  // 300 mm wide, and low enough for the robot to drive over.
   const Point back = Drawing::on_circle(base.origin, 20.0, base.heading_deg + 180.0);
   drawing.add(
       "<rect class='base' x='-20' y='-150' width='60' height='300' "
@@ -196,7 +196,7 @@ void draw_path(std::span<const Waypoint> path, Drawing& drawing) {
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Pose& pose = path[i].pose;
     const bool begins = i == 0 || path[i].placed;
-    // The last before a leap is drawn however near it is.
+    // The last waypoint before a leap is always drawn, however close.
     const bool ends = i + 1 == path.size() || path[i + 1].placed;
     const bool far = std::hypot(pose.x_mm - drawn.x_mm, pose.y_mm - drawn.y_mm) >= kPointApartMm;
     if (!begins && !ends && !far) continue;
@@ -223,7 +223,7 @@ void draw_robot(const Pose& pose, Drawing& drawing) {
   drawing.line(centre, rim(0.0), "ahead");
 }
 
-// What there is in this drawing, in as many columns as fit.
+// The legend of this drawing, in as many columns as fit.
 void draw_legend(const World& world, std::span<const Waypoint> path, const Extent& extent,
                  Drawing& drawing) {
   constexpr double kColumnMm = 800.0;

@@ -1,4 +1,4 @@
-// A picture of a world and of the way a robot took in it, as SVG.
+// A picture of a world and of a robot's path in it, as SVG.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace cargobay::hal::sim {
 
-// The whole of both, a millimetre a unit, x to the right and y up, over a grid of half metres. A
-// ring marks where the path begins, a dot each bump; the robot stands where the path ends, its
+// All of both, one unit per millimetre, x to the right and y up, over a grid of half metres. A ring
+// marks the beginning of the path, a dot each bump; the robot is drawn at the end of the path, its
 // bumper ahead.
 std::string draw(const World& world, std::span<const Waypoint> path);
 

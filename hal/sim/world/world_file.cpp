@@ -43,7 +43,7 @@ constexpr std::array<Kind, 7> kKinds{{
     {"start", 3, "X Y HEADING", [](World& world, Numbers n) { world.start = pose(n); }},
 }};
 
-// What is wrong with the line; empty where nothing is.
+// What is wrong with the line; empty if nothing is.
 std::string add_line(std::string_view line, World& world) {
   std::string_view rest = line.substr(0, std::min(line.find('#'), line.size()));
   const std::string_view name = next_word(rest);

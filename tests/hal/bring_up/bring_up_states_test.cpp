@@ -87,14 +87,14 @@ std::vector<Found> states() {
        .robot = rate(115200),
        .prepare =
            [](Device&, VirtualLink& link) {
-             say(link, {128});  // one by one: it wants a pause between two
+             say(link, {128});  // one by one: the robot needs a pause between them
              say(link, {132});
            }},
       {.name = "half a query of 255", .prepare = in_mode({128, 149, 255})},
   };
 }
 
-// A robot, the host's link to it at a rate of its own, and the pins.
+// A robot, the host's link to it at its own rate, and the pins.
 class Bench {
  public:
   Bench(const Found& found, std::uint32_t wanted) : device{found.robot}, link{device} {
@@ -160,7 +160,7 @@ TEST(BringUpStates, AllLeadToAStreamAtTheWantedRateAndMode) {
   }
 }
 
-// Notes when each level was set, by the robot's clock, and hands it on.
+// Notes when each level was set, by the robot's clock, and passes it on.
 class WatchedPin final : public gpio::Output {
  public:
   WatchedPin(gpio::Output& pin, const sim::Device& device) : pin_{pin}, device_{device} {}
@@ -201,7 +201,7 @@ TEST(BringUpStates, PulsesAreWhatTheManualAsksFor) {
   }
 }
 
-// A robot that is on: the toggle without its indicator would switch it off, and is not needed.
+// A robot that is on: a toggle without the indicator would switch it off, and is not needed.
 TEST(BringUpStates, ARobotThatAnswersIsNotToggled) {
   Bench bench{{.robot = {.boot_baud = 115200}}, 19200};
   const auto report = bring_up(
@@ -224,7 +224,7 @@ TEST(BringUpStates, AToggleWithoutIndicatorHelpsTooWhereTheRobotIsOff) {
   }
 }
 
-// Deaf, as it waits in a script: switched off by the first toggle, on by the second.
+// Deaf because it waits in a script: the first toggle switches it off, the second on.
 TEST(BringUpStates, ARobotThatIsOnAndDeafIsSwitchedOffAndOn) {
   Bench bench{
       {.prepare = [](sim::Device&, sim::VirtualLink& link) { say(link, {128, 131, 155, 255}); }},
@@ -236,7 +236,7 @@ TEST(BringUpStates, ARobotThatIsOnAndDeafIsSwitchedOffAndOn) {
   EXPECT_EQ(bench.device.counters().boots, 1U);
 }
 
-// Somebody was killed in the middle of the pulses: the line is an input again, pulled high.
+// A program was killed in the middle of the pulses: the line is an input again, pulled high.
 TEST(BringUpStates, HalfAPulseTrainBeforeDoesNotMatter) {
   for (const int pulses : {1, 2}) {
     Bench bench{{.prepare =
@@ -256,7 +256,7 @@ TEST(BringUpStates, HalfAPulseTrainBeforeDoesNotMatter) {
   }
 }
 
-// Its pin leads nowhere: the Baud command does it.
+// The pin is not connected: the Baud command does the job.
 TEST(BringUpStates, ADeadBrcWireIsMadeUpForByTheBaudCommand) {
   Bench bench{{}, 19200};
   sim::Device elsewhere{sim::Parameters{}};

@@ -76,7 +76,7 @@ TEST_F(BringUp, FreesARobotStuckInAHalfSentSong) {
   ASSERT_TRUE(run());
 }
 
-// It streams what is wanted, so that nothing seems wrong until it does not change its mode.
+// It streams the right list, so nothing seems wrong until it does not change its mode.
 TEST_F(BringUp, FreesARobotThatStreamsAndTakesItsCommandsForData) {
   ASSERT_TRUE(run());
   send({128});

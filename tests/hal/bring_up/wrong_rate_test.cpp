@@ -1,5 +1,5 @@
-// What a robot makes of the question by which the bring-up looks for it, where it listens at
-// another of its rates.
+// How a robot that listens at another of its rates understands the question with which the bring-up
+// looks for it.
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -22,7 +22,7 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr int kTries = 12;
 constexpr std::uint8_t kWall = 8;
 
-// In Passive at its own rate, and a host at another.
+// A robot in Passive at its own rate, and a host at another.
 class Asked {
  public:
   Asked(std::uint32_t own, std::uint32_t other, std::uint64_t seed)
@@ -37,7 +37,7 @@ class Asked {
     pass(milliseconds{40});
     cable_.set_host_baud(other);
   }
-  // Byte by byte with gaps by chance, or all at once.
+  // Byte by byte with random gaps, or all at once.
   void send(const Bytes& bytes) {
     for (const std::uint8_t byte : bytes) {
       (void)cable_.send(Bytes{byte});
@@ -46,7 +46,7 @@ class Asked {
     }
   }
   void pass(rt::Duration duration) { cable_.advance_to(cable_.now() + duration); }
-  // It neither drove nor waits, and takes what it is told at its own rate for what it is.
+  // It has not driven, does not wait, and obeys what it is told at its own rate.
   bool unharmed() {
     pass(milliseconds{400});
     const bool waits = device_.waiting();
@@ -80,7 +80,7 @@ class Asked {
   bool moved_ = false;
 };
 
-// Of all pairs of rates and some gaps: after how many something is wrong.
+// Over all pairs of rates and some gaps: in how many cases something is wrong.
 int harmed_by(std::uint8_t packet) {
   int harmed = 0;
   for (const std::uint32_t own : oi::kBaudRates) {

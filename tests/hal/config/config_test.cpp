@@ -121,7 +121,7 @@ TEST(ConfigFile, SaysWhatAValueIs) {
   EXPECT_THAT(complaint("[realtime]\npriority = 99"), HasSubstr("from 1 to 98"));
 }
 
-// What is in another unit, or no more than a number; and the ends of what is taken.
+// Values in another unit, or that are just numbers; and the ends of the accepted ranges.
 TEST(ConfigFile, RefusesWhatNoRobotIs) {
   struct Row {
     std::string key{};

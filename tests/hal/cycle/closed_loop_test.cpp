@@ -1,5 +1,5 @@
-// The point of it all: how well the loop holds the wheels' true speed, over the default plant, with
-// the kind of remainder unknown at the start.
+// The point of it all: how well the loop holds the true speed of the wheels, on the default plant,
+// with the kind of remainder unknown at the start.
 
 #include <cmath>
 #include <cstdio>
@@ -137,7 +137,7 @@ TEST(ClosedLoop, HoldsSpeedWhereTheRemainderIsLost) {
   EXPECT_LE(closed.steady_error, 5.0);
 }
 
-// As after three pulses on the BRC pin: a frame and its answer take 9.4 ms of the 15.
+// As after three pulses on the BRC pin: a frame and its answer take 9.4 of the 15 ms.
 TEST(ClosedLoop, HoldsSpeedAt19200Baud) {
   const Summary carried =
       survey(sim::Remainder::carried, rt::WheelLoop::Feedback::closed, oi::kBrcBaud);
@@ -153,7 +153,7 @@ TEST(ClosedLoop, IsFarBetterThanOpenLoop) {
   EXPECT_GT(open.steady_rms, 10.0);
 }
 
-// Speed as the difference of each frame to the one before, the way that suggests itself.
+// Speed as the difference between consecutive frames, which is the obvious way.
 Errors per_frame_rmse(sim::Remainder kind, const rt::WheelSpeeds& target) {
   test::VirtualDrive virtual_drive{sim::Parameters{.remainder = kind}};
   ControlCycle::Parameters parameters;

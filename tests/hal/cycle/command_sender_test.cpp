@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using Sent = CommandSender::Sent;
 
-// A port that keeps what it takes.
+// A port that records what it accepts.
 class Port final : public ByteStream {
  public:
   std::vector<std::uint8_t> taken{};
@@ -58,7 +58,7 @@ class CommandSenderTest : public testing::Test {
             .mode = mode,
             .set_stands = set_stands};
   }
-  // What the port took with this write.
+  // What the port accepted with this write.
   std::vector<std::uint8_t> drive(const rt::WheelSpeeds& speeds,
                                   FrameList list = FrameList::reading) {
     port_.taken.clear();
@@ -168,7 +168,7 @@ TEST_F(CommandSenderTest, WithholdsASecondCommandInATick) {
     (void)drive({200.0, 200.0});
   }
   EXPECT_TRUE(sender_.must_withhold(port_.time + 3ms, ledger));
-  // A frame that was late is answered in the tick of the next one.
+  // A late frame is answered in the tick of the next one.
   port_.time += 27ms;
   arrive(port_.time);
   EXPECT_FALSE(sender_.must_withhold(port_.time, ledger));

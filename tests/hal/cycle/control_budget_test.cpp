@@ -1,4 +1,4 @@
-// Control functions that take too long, in virtual time: what they take passes on the robot too.
+// Control functions that take too long, in virtual time: their time passes on the robot too.
 
 #include <chrono>
 #include <map>
@@ -19,7 +19,7 @@ using test::VirtualDrive;
 int most_commands_in_a_tick(const DriveResult& result) {
   std::map<std::uint64_t, int> in_tick;
   int most = 0;
-  // Without the stops of cycle and farewell().
+  // Without the stops of the cycle and of farewell().
   for (std::size_t i = 0; i + 2 < result.commands.size(); ++i) {
     most = std::max(most, ++in_tick[result.commands[i].tick]);
   }
@@ -68,7 +68,7 @@ TEST(ControlBudget, IsAParameter) {
   EXPECT_EQ(result.overruns.user, 1U);
 }
 
-// Longer than a tick: frames come together behind it, and are answered once.
+// Longer than a tick: frames pile up meanwhile, and are answered once.
 TEST(ControlBudget, OverrunByTicksBringsNoBurst) {
   for (rt::Duration stall = 5ms; stall < 120ms; stall += 3ms) {
     VirtualDrive drive{sim::Parameters{}};

@@ -29,7 +29,7 @@ TEST(ControlCycle, AnswersEachFrameWithOneCommand) {
   const DriveResult result = drive.run(300, forward);
   EXPECT_EQ(result.frames.good, 300U);
   EXPECT_EQ(result.frames.late, 0U);
-  // One a frame, then the stop of the cycle and that of farewell().
+  // One per frame, then the stop of the cycle and that of farewell().
   EXPECT_EQ(result.commands.size(), 302U);
   expect_stopped(drive);
 }
@@ -85,8 +85,8 @@ TEST(ControlCycle, TellsAgainOfAControlFunctionThatWasSaneBetween) {
   EXPECT_EQ(result.events_dropped, 300U - kMostEvents);
 }
 
-// Runs a cycle that follows setpoints, not a control function: `each` is called for every frame
-// that arrives and may end it.
+// Runs a cycle that follows setpoints, not a control function. `each` is called for every frame
+// that arrives, and may end the cycle.
 class Damage {
  public:
   explicit Damage(VirtualDrive& drive) : drive_{drive} {
@@ -117,7 +117,7 @@ TEST(ControlCycle, CountsAndSurvivesDamagedFrames) {
   EXPECT_EQ(result.end, CycleEnd::asked);
   EXPECT_GE(result.frames.good, 1000U);
   EXPECT_GT(flipped, 50);
-  // Those of bring-up were not the cycle's, and the last may still have been waiting for its proof.
+  // Those during bring-up were not the cycle's, and the last may not have been confirmed yet.
   EXPECT_LE(result.frames.bad + result.frames.lost, static_cast<std::uint64_t>(flipped));
   EXPECT_GE(result.frames.bad + result.frames.lost + 3, static_cast<std::uint64_t>(flipped));
   const rt::WheelSpeeds truth = result.ticks.back().truth;
@@ -166,7 +166,7 @@ TEST(ControlCycle, StopsTheWheelsInSilenceAndGoesOnBehindIt) {
   EXPECT_EQ(told[EventKind::silence_ended], 1);
   EXPECT_EQ(told[EventKind::frames_lost], 1);
   EXPECT_NEAR(result.ticks.back().truth.left_mm_s, 200.0, 10.0);
-  // From standing, by the acceleration limit: no jump.
+  // Starts from rest, by the acceleration limit: no jump.
   const std::size_t behind = 201;
   EXPECT_LT(result.ticks[behind].state.set.left_mm_s, 50.0);
 }
@@ -179,7 +179,7 @@ double worst_error(const DriveResult& result) {
   return worst;
 }
 
-// How many ticks it was is known by the second frame behind it.
+// The second frame after it shows how many ticks it lasted.
 TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
   for (const int silent : {4, 7, 9, 12, 40}) {
     VirtualDrive drive{sim::Parameters{}};
@@ -195,7 +195,7 @@ TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
   }
 }
 
-// The frame that read a window is lost, and nobody knows yet; the next one reads a tick.
+// The frame that read a window is lost, and this is not known yet; the next one reads a tick.
 TEST(ControlCycle, DoesNotTakeATickForAWindow) {
   VirtualDrive drive{sim::Parameters{.remainder = sim::Remainder::lost}};
   Damage progress{drive};
@@ -216,7 +216,7 @@ void hear(sim::Device& device, const std::vector<std::uint8_t>& bytes) {
   for (const std::uint8_t byte : bytes) device.receive(byte);
 }
 
-// A command that was damaged on its way may have been another Stream.
+// A command that was damaged in transit may have been another Stream.
 TEST(ControlCycle, TellsARobotThatMisheardItsListAgain) {
   for (const std::uint8_t other : std::initializer_list<std::uint8_t>{7, 21, 22}) {
     VirtualDrive drive{sim::Parameters{}};
@@ -270,7 +270,8 @@ TEST(ControlCycle, EndsWhereTheRobotFallsSilent) {
   expect_stopped(drive);
 }
 
-// The robot is deaf and dumb while a script waits: announced, that is no lost link, and no more.
+// While a script waits the robot neither hears nor answers: if announced, that is not a lost link,
+// and has no other effect.
 TEST(ControlCycle, OutlastsASilenceThatWasAnnounced) {
   VirtualDrive drive{sim::Parameters{}};
   rt::TimePoint announced{};
@@ -326,7 +327,7 @@ TEST(ControlCycle, DrivesOverACliffInFull) {
 // Setpoints from outside, without a control function.
 class Setpoints : public testing::Test {
  protected:
-  // Runs for so many frames; `each` is called before the frame is read.
+  // Runs for `frames` frames; `each` is called before each frame is read.
   CycleEnd run(int frames, std::function<void(int)> each) {
     EXPECT_TRUE(bring_up(link_, {.packets = kReadingList}));
     EXPECT_FALSE(link_.set_wake_threshold(kFrameBytes));
@@ -354,7 +355,7 @@ TEST_F(Setpoints, LapseAfterHalfASecond) {
     commanded[frame] = device_.commanded();
   });
   EXPECT_NE(commanded[33], rt::WheelSpeeds{});  // 0.48 s
-  EXPECT_EQ(commanded[60], rt::WheelSpeeds{});  // and the acceleration limit behind it
+  EXPECT_EQ(commanded[60], rt::WheelSpeeds{});  // the acceleration limit included
 }
 
 TEST_F(Setpoints, StayLapsedUntilANewOneIsSet) {

@@ -1,5 +1,5 @@
-// A line that goes dead in the middle of a command: the robot waits for the rest of it, and is not
-// left to take the next command for that. A robot that is deaf all the same is found out and freed.
+// A line that goes dead in the middle of a command: the robot waits for the rest, and must not take
+// the next command for it. A robot that is deaf anyway is noticed and freed.
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@ rt::WheelSpeeds turns_after_3_s(double seconds) {
   return seconds < 3.0 ? rt::WheelSpeeds{211.0, 187.0} : rt::WheelSpeeds{-103.0, 77.0};
 }
 
-// The first answer from frame 100 on that is as long as there are: of it `carried` bytes get to the
-// robot, and then nothing goes either way for `silent` frames.
+// The first answer of maximum length from frame 100 on: `carried` bytes of it reach the robot, and
+// then nothing passes in either direction for `silent` frames.
 class Cut {
  public:
   Cut(VirtualDrive& drive, std::size_t carried, int silent) : silent_{silent} {
@@ -46,7 +46,7 @@ class Cut {
   bool done_ = false;
 };
 
-// What the robot took for a drive command and nobody sent as one.
+// Commands that the robot took for drive commands but that were not sent as such.
 int commands_nobody_sent(const DriveResult& result) {
   int strange = 0;
   for (const sim::DriveRecord& record : result.commands) {
@@ -78,12 +78,12 @@ TEST(CutCommand, IsFilledUpWhereverItIsCut) {
   }
 }
 
-// For 510 bytes: nothing of the line told, and the frames go on. It is the list that shows it.
+// For 510 bytes the line shows nothing, and frames keep coming. The list is what shows it.
 TEST(CutCommand, ThatARobotWaitsForTheRestOfIsFoundOut) {
   for (const auto remainder : {sim::Remainder::carried, sim::Remainder::lost}) {
     VirtualDrive drive{sim::Parameters{.remainder = remainder}};
     constexpr int kDeafFrom = 180;
-    // Up to 20 ticks to the next list, four frames without it, 510 bytes of 64 a tick.
+    // Up to 20 ticks to the next list, four frames without it, 510 bytes at 64 a tick.
     constexpr int kFreedBy = kDeafFrom + 20 + 4 + 8;
     rt::WheelSpeeds commanded{};
     drive.on_frame = [&](int frame, ControlCycle&) {

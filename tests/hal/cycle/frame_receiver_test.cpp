@@ -27,7 +27,7 @@ std::vector<std::uint8_t> frame(FrameList list, std::uint8_t data = 0) {
 class FrameReceiverTest : public testing::Test {
  protected:
   FrameReceiverTest() { receiver_.begin(rt::TimePoint{}); }
-  // The lists of the frames in it; nothing for a strange one.
+  // The lists of the frames in it; nothing for an unknown one.
   std::vector<std::optional<FrameList>> receive(const std::vector<std::uint8_t>& bytes,
                                                 rt::Duration at = 15ms) {
     std::copy(bytes.begin(), bytes.end(), receiver_.room().begin());

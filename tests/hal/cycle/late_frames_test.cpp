@@ -1,5 +1,5 @@
 // Frames that come late, in bunches or in pieces: each is counted once, none is taken for lost, no
-// tick of the robot sees two commands, and the loop is back on time right behind it.
+// tick of the robot gets two commands, and the loop is back on time right afterwards.
 
 #include <algorithm>
 #include <chrono>
@@ -48,11 +48,11 @@ struct Setup {
   std::uint32_t baud = oi::kDefaultBaud;
   rt::WheelSpeeds target{200.0, 200.0};
   rt::Duration backlog{0};  // of frames that are waiting when the cycle begins
-  // How long the control function is kept from the processor, each time.
+  // How long the control function is kept off the CPU, each time.
   std::function<rt::Duration()> control_takes{};
 };
 
-// Lets time pass, as for somebody who looks at no bytes.
+// Lets time pass without reading any bytes.
 void sleep(test::HeldStream& stream, rt::Duration time) {
   constexpr std::size_t kNever = 100'000;
   EXPECT_FALSE(stream.set_wake_threshold(kNever));
@@ -60,7 +60,7 @@ void sleep(test::HeldStream& stream, rt::Duration time) {
   EXPECT_FALSE(stream.set_wake_threshold(kFrameBytes));
 }
 
-// What decides over a drive, on the control thread.
+// Decides on a drive, on the control thread.
 struct Driver {
   test::HeldStream* stream = nullptr;
   const sim::Device* device = nullptr;
@@ -79,7 +79,7 @@ struct Driver {
   }
 };
 
-// Drives for so many frames; the delay begins with the cycle.
+// Drives for `frames` frames; the delay begins with the cycle.
 Driven drive(const HandOver& hand_over, std::uint64_t frames, const Setup& setup = {}) {
   sim::Device device{{.remainder = setup.remainder, .boot_baud = setup.baud}};
   sim::VirtualLink link{device};
@@ -124,7 +124,7 @@ int most_commands_in_a_tick(const Driven& run) {
 rt::Duration offset(const sim::DriveRecord& record) {
   return (record.time - oi::kTick) % oi::kTick;
 }
-// What a frame that comes on time takes to be answered: both on the wire.
+// How long it takes to answer a frame that comes on time: both on the wire.
 constexpr rt::Duration kOnTime = oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, 57600) + 100us;
 
 bool is_on_time_from(const Driven& run, std::uint64_t tick) {
@@ -145,7 +145,7 @@ TEST(LateFrames, AreNoneWhereNothingDelays) {
   EXPECT_TRUE(is_on_time_from(run, 0));
 }
 
-// FTDI's latency timer, as it is set out of the box.
+// FTDI's latency timer, with its default setting.
 TEST(LateFrames, OfAnAdapterThatHandsOverEvery16MsAreNotLost) {
   for (const auto remainder : {sim::Remainder::carried, sim::Remainder::lost}) {
     const auto raster = [](rt::TimePoint arrival) {
@@ -164,7 +164,7 @@ TEST(LateFrames, OfAnAdapterThatHandsOverEvery16MsAreNotLost) {
   }
 }
 
-// Every third frame or so is late by a few milliseconds, some by more than a tick.
+// About every third frame is late by a few milliseconds, some by more than a tick.
 TEST(LateFrames, NeverGetARobotTwoCommandsInATick) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     std::mt19937 random{seed};
@@ -192,7 +192,7 @@ TEST(LateFrames, NeverGetARobotTwoCommandsInATick) {
   }
 }
 
-// Everything that arrives in that time is handed over at its end.
+// Everything that arrives in that time is delivered at its end.
 HandOver stall(rt::Duration begin, rt::Duration length) {
   return [=](rt::TimePoint arrival) {
     const rt::Duration time = arrival.time_since_epoch();
@@ -224,10 +224,9 @@ TEST(LateFrames, ThatComeInPiecesDoNotDelayThoseBehindThem) {
   }
 }
 
-// A machine with too much to do: from the first frame on all are held up for 3 to 58 ms, several
-// times a second, and then handed over one by one; the loop itself is kept from the processor too.
-// Such a start hides when the robot's ticks are for a while: two commands 13 ms apart may then
-// share one.
+// An overloaded machine: from the first frame on, all are held up for 3 to 58 ms, several times a
+// second, and then delivered one by one; the loop itself is kept off the CPU too. Such a start
+// hides for a while when the robot's ticks are: two commands 13 ms apart may then share one.
 class BusyMachine {
  public:
   explicit BusyMachine(std::uint64_t seed) : random_{seed} {}
@@ -295,7 +294,7 @@ Misled mislead(sim::Remainder remainder) {
   return misled;
 }
 
-// To take a robot for one that loses the remainder is safe: it is read less often.
+// Assuming that a robot loses the remainder is safe: it is read less often.
 TEST(LateFrames, DoNotMisleadTheLoopWhereTheRemainderIsCarried) {
   const Misled misled = mislead(sim::Remainder::carried);
   EXPECT_LE(misled.believed_wrong, 7);

@@ -1,4 +1,5 @@
-// A robot that leaves its mode by itself: why, once, and back only when asked.
+// A robot that leaves its mode by itself: the cause is reported once, and it returns only on
+// request.
 
 #include <array>
 #include <functional>
@@ -49,7 +50,7 @@ std::vector<Event> of_kind(const DriveResult& result, EventKind what) {
 
 class ModeLoss : public testing::TestWithParam<Danger> {};
 
-// Whichever list the frame is of that shows the mode: at every phase of the rotation.
+// Whichever list the frame that shows the mode has: at every phase of the rotation.
 TEST_P(ModeLoss, IsToldOnceWithItsCause) {
   for (const auto remainder : {sim::Remainder::carried, sim::Remainder::lost}) {
     for (int begin = 200; begin < 220; ++begin) {
@@ -75,7 +76,7 @@ TEST_P(ModeLoss, HoldsUntilItIsAskedToRearm) {
   ControlCycle* cycle = nullptr;
   std::uint64_t refused = 1;
   rt::WheelSpeeds driven{};
-  // A cliff is none to a robot that stands (OI p. 6).
+  // A cliff does not matter to a robot that stands still (OI p. 6).
   const bool stops_standing =
       GetParam().hazard < Hazard::cliff_left || GetParam().hazard == Hazard::charger;
   int frames = 0;
@@ -88,7 +89,7 @@ TEST_P(ModeLoss, HoldsUntilItIsAskedToRearm) {
     if (cycle == nullptr) return bytes.size();  // bring-up
     ++frames;
     if (frames == 600) refused = drive.device.counters().commands_refused;
-    if (frames == 150 && stops_standing) cycle->request_rearm();  // the danger is there still
+    if (frames == 150 && stops_standing) cycle->request_rearm();  // the danger is still there
     if (frames == 300) GetParam().set(drive.device.inputs(), false);
     if (frames > 110 && frames <= 600) {
       EXPECT_EQ(drive.device.mode(), oi::Mode::passive) << frames;
@@ -130,11 +131,11 @@ TEST(ModeLossCause, IsNoneWhereNoSensorSays) {
             "the robot went to passive mode by itself, and no sensor says why");
 }
 
-// A crack in the floor, narrower than a tick is long.
+// A crack in the floor, narrower than the robot moves in a tick.
 TEST(ModeLossCause, IsACliffThatOnlyOneFrameSaw) {
   VirtualDrive drive{sim::Parameters{.remainder = sim::Remainder::lost}};
   drive.device.surroundings = [&](sim::Device& device, sim::Inputs& seen) {
-    static constexpr std::uint64_t kTick = 500;  // windows: nearly all frames tell of hazards
+    static constexpr std::uint64_t kTick = 500;  // windows: nearly all frames report hazards
     if (device.ticks() == kTick) seen.cliff_right.cliff = true;
   };
   const DriveResult result = drive.run(1000, forward);

@@ -1,4 +1,4 @@
-// The odometry of the loop against where the virtual Create is: of both kinds, over many drives.
+// The loop's odometry compared with where the virtual Create is: for both kinds, over many drives.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,7 +14,7 @@
 namespace cargobay::hal {
 namespace {
 
-// Some way, with turns, that is another one for each seed.
+// A path with turns, different for each seed.
 rt::WheelSpeeds wandering(double seconds, std::uint64_t seed) {
   const double phase = static_cast<double>(seed);
   return {200.0 + 80.0 * std::sin(0.7 * seconds + phase), 200.0 + 80.0 * std::cos(0.5 * seconds)};
@@ -23,7 +23,7 @@ rt::WheelSpeeds wandering(double seconds, std::uint64_t seed) {
 struct PoseErrors {
   double position_mm = 0.0;  // greatest
   double heading_rad = 0.0;
-  double within = 0.0;  // part of the drives whose end lies within what the covariance says
+  double within = 0.0;  // share of the drives whose end lies within what the covariance says
 };
 
 PoseErrors errors(sim::Remainder kind) {
@@ -63,14 +63,14 @@ TEST(LoopOdometry, IsWithinWhatItsCovarianceSays) {
   EXPECT_LE(carried.heading_rad, 0.03);
   EXPECT_GE(carried.within, 0.95);
   const PoseErrors lost = errors(sim::Remainder::lost);
-  // Each reading takes up to a degree along, and nobody knows how much.
+  // Each reading loses up to a degree, and it is unknown how much.
   EXPECT_LE(lost.position_mm, 900.0);
   EXPECT_LE(lost.heading_rad, 0.4);
   EXPECT_GE(lost.within, 0.8);
 }
 
 TEST(LoopOdometry, KeepsCountOverLostFrames) {
-  constexpr int kPeriod = 15;  // of the frames one is lost
+  constexpr int kPeriod = 15;  // one frame in this many is lost
   std::vector<double> x_mm;
   std::vector<double> heading_rad;
   for (int phase = 0; phase < kPeriod; ++phase) {

@@ -1,4 +1,4 @@
-// What other threads ask of a running cycle.
+// What other threads can ask of a running cycle.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -48,7 +48,7 @@ TEST(Requests, AreObeyedBesideTheDrive) {
   EXPECT_EQ(drive.device.counters().unknown_opcodes, 0U);
   EXPECT_EQ(drive.device.actuators().leds.power_color, 77);
   EXPECT_EQ(drive.device.actuators().digital_outputs, 5);
-  // Not one drive command was left out for them.
+  // Not one drive command was left out because of them.
   EXPECT_GE(result.commands.size(), 200U);
 }
 
@@ -83,7 +83,7 @@ TEST(Requests, WaitWithALongOneUntilTheWheelsStand) {
   EXPECT_EQ(result.frames.good, 400U);
 }
 
-// The wheels turn on as they were told, and no two commands meet in a tick behind it.
+// The wheels keep turning as last told, and afterwards no two commands share a tick.
 TEST(Requests, PauseTheDriveWhereTheyAreToldTo) {
   VirtualDrive drive{{}};
   std::uint64_t withheld = 0;
@@ -138,7 +138,7 @@ TEST(Requests, StreamWhatIsAskedFor) {
     EXPECT_GT(after->tick[packet], tick - 20) << packet << ": the loop's own lists go on";
 }
 
-// The estimate is hardly worse for it, of either kind of robot.
+// The estimate is hardly worse for it, with either kind of robot.
 TEST(Requests, LeaveTheLoopWhatItNeeds) {
   for (const auto kind : {sim::Remainder::carried, sim::Remainder::lost}) {
     VirtualDrive drive{{.remainder = kind}};

@@ -1,5 +1,5 @@
-// A port that takes a part of what it is given: the robot, which waits for the rest, gets it before
-// anything else, and never takes one command's bytes for another's.
+// A port that accepts a part of what it is given: the robot, which waits for the rest, gets it
+// before anything else, and never takes one command's bytes for another's.
 
 #include <map>
 #include <random>
@@ -85,7 +85,7 @@ TEST(ShortWrite, AnywhereIsFinishedFirst) {
   }
 }
 
-// The wheels are told to stop in silence, by a port that takes a byte at a time.
+// During silence the wheels are told to stop, through a port that accepts a byte at a time.
 TEST(ShortWrite, OfAStopIsTriedUntilItIsWhole) {
   VirtualDrive drive{sim::Parameters{}};
   int frame = 0;

@@ -13,7 +13,7 @@ using Due = Silence::Due;
 constexpr rt::TimePoint moment(rt::Duration time) { return rt::TimePoint{time}; }
 constexpr Silence::Limits kSilenceLimits{.tick = 15ms, .stop_after = 150ms, .link_timeout = 1s};
 
-// What was due, by deadlines from the last frame (at 0) until `end`.
+// What was due, at each deadline from the last frame (at 0) until `end`.
 struct Dues {
   int stops = 0;
   rt::Duration stop_at{};

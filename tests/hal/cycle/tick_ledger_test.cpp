@@ -11,10 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A ledger and the line that it books.
+// A ledger and the line that it accounts for.
 class TickLedgerTest : public testing::Test {
  protected:
-  // `frames` whole ones, and `skipped` bytes before them, at so many ticks of the robot.
+  // `frames` whole ones, after `skipped` bytes, at these ticks of the robot.
   TickLedger::Account arrive(int tick, int frames = 1, std::uint64_t skipped = 0,
                              std::uint64_t corrupt = 0) {
     const auto framed = static_cast<std::uint64_t>(frames) * kFrameBytes;

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr UserControl::Limits kControlLimits{.tick = 15ms, .budget = 2ms, .overruns_allowed = 2};
 
-// Answers what it is told to, and keeps the time that it was given.
+// Returns what it is told to, and records the time that it was given.
 struct Program {
   rt::WheelSpeeds answer{};
   double seconds = -1.0;

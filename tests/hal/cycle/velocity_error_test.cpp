@@ -1,6 +1,6 @@
-// The velocity that the loop goes by against the one that suggests itself, distance by time between
-// arrivals, on a line that delays frames by up to 6 ms, 3 ms around their mean, and holds all of
-// them up for 80 ms now and then.
+// The velocity that the loop uses compared with the obvious one, distance divided by time between
+// arrivals, on a line that delays frames by up to 6 ms, 3 ms on average, and holds all of them up
+// for 80 ms now and then.
 
 #include <chrono>
 #include <cmath>
@@ -33,7 +33,7 @@ constexpr double kMostDelay = 6e6;   // ns
 constexpr rt::Duration kGap = 80ms;
 constexpr std::int64_t kGapEvery = 150;  // ticks, on the average
 
-// When what arrives at a time is handed over. The same seed holds up the same ticks.
+// When bytes that arrive at a given time are delivered. The same seed holds up the same ticks.
 class Delays {
  public:
   explicit Delays(std::uint64_t seed) : random_{seed} {}
@@ -54,7 +54,7 @@ class Delays {
   rt::TimePoint gap_end_{};
 };
 
-// Distance and angle by the time since the last arrival; what arrives together counts together.
+// Distance and angle divided by the time since the last arrival; simultaneous arrivals are merged.
 class ByArrival {
  public:
   void take(std::span<const std::uint8_t> bytes, rt::TimePoint now) {

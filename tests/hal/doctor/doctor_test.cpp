@@ -1,4 +1,4 @@
-// Machines as their /proc and /sys tell of them, made up in a folder.
+// Machines as their /proc and /sys describe them, made up in a folder.
 #include "hal/doctor/doctor.hpp"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ class Doctor : public testing::Test {
     std::filesystem::create_directories((root_ / path).parent_path());
     std::ofstream{root_ / path, std::ios::binary} << text << '\n';
   }
-  // A process with one thread; its flags, priority and policy as proc(5) has them.
+  // A process with one thread; its flags, priority and policy as in proc(5).
   void add_process(int id, const std::string& name, unsigned flags, int priority,
                    int parent = 1) const {
     const std::string folder = "proc/" + std::to_string(id);
@@ -70,7 +70,7 @@ class Doctor : public testing::Test {
     const auto found = std::ranges::find(findings, check, &Finding::check);
     return found == findings.end() ? Finding{.what = "not looked at"} : *found;
   }
-  // The one finding, of that verdict, names the remedy.
+  // The one finding, with that verdict, names the remedy.
   void expect(std::string_view check, Verdict verdict, const std::string& remedy,
               rt::RealtimeGrant grant = all_granted()) const {
     const auto findings = examine(std::move(grant));
@@ -144,7 +144,7 @@ TEST_F(Doctor, WantsACpuForTheKworkers) {
   EXPECT_THAT(find(examine(), "kworkers").what, HasSubstr("of 3 CPUs"));
 }
 
-// A program below the loop keeps them waiting too.
+// A program below the loop also keeps them waiting.
 TEST_F(Doctor, SeesWhoKeepsTheKworkersWaiting) {
   add_process(8, "modest", 0, 10);
   expect("kworkers", Verdict::advice, "--boost-kworkers");
@@ -205,7 +205,7 @@ TEST_F(Doctor, SeesTheKernelsConsoleOnThePort) {
   expect("console", Verdict::bad, "console=ttyAMA0");
 }
 
-// agetty of systemd 257 has no name of the port on its command line, and a shell never had one.
+// agetty of systemd 257 does not have the port's name on its command line, and a shell never did.
 TEST_F(Doctor, SeesWhoElseHasThePortOpen) {
   write("dev/ttyAMA1", "");
   add_process(55, "agetty", 0, 0);

@@ -1,4 +1,4 @@
-// What is written where a user wants it, and what is left alone.
+// What is written at the place a user names, and what is left alone.
 #include "hal/file/output_file.hpp"
 
 #include <fcntl.h>
@@ -46,7 +46,7 @@ class OutputFileTest : public testing::Test {
     std::ifstream file{path, std::ios::binary};
     return {std::istreambuf_iterator<char>{file}, {}};
   }
-  // All that lies in the test's folder.
+  // Everything in the test's folder.
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : fs::directory_iterator{folder_})
@@ -141,7 +141,7 @@ TEST_F(OutputFileTest, FollowsLinksAndLeavesThem) {
   EXPECT_THAT(complaint(path("circle")), HasSubstr("symbolic links"));
 }
 
-// The name of old: whatever lies there is nothing to us.
+// The old, predictable name: whatever is there does not matter to us.
 TEST_F(OutputFileTest, TakesNoNameThatCanBeForeseen) {
   write("precious", "theirs");
   fs::create_symlink("precious", path("file.part"));
@@ -202,7 +202,7 @@ TEST_F(OutputFileTest, DoesNotWaitForTheReaderOfAFifo) {
   EXPECT_EQ(put(path("fifo"), "text"), "");
   std::array<char, 8> bytes{};
   EXPECT_EQ(read(reader, bytes.data(), bytes.size()), 4);
-  // One that takes nothing any more is not waited for either, where that was wanted.
+  // A reader that has stopped reading is not waited for either, if that was requested.
   auto file = OutputFile::open(path("fifo"));
   ASSERT_TRUE(file);
   const auto failure = file->write(std::string(1U << 20U, 'x'), std::chrono::milliseconds{1});
@@ -222,8 +222,8 @@ TEST_F(OutputFileTest, WritesWhereADescriptorIsOpen) {
   EXPECT_THAT(complaint(name), HasSubstr("Bad file descriptor"));
 }
 
-// In the thread of a program that knows nothing of it: no disposition, mask or pending signal is
-// another one afterwards.
+// In the thread of a program that knows nothing of it: no disposition, mask or pending signal has
+// changed afterwards.
 TEST_F(OutputFileTest, FailsAtALimitOfTheFileSize) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);

@@ -1,4 +1,4 @@
-// What is read of what a user names, and what is not.
+// Which of the things that a user can name are read, and which are not.
 #include "hal/file/read_input.hpp"
 
 #include <fcntl.h>
@@ -98,7 +98,7 @@ TEST_F(ReadInputTest, ReadsAFifoThatIsWritten) {
   close(reader);
 }
 
-// As the shell's <(...) is.
+// Like the shell's <(...).
 TEST_F(ReadInputTest, ReadsAPipeByItsDescriptor) {
   std::array<int, 2> ends{-1, -1};
   ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);

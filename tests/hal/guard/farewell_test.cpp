@@ -1,4 +1,4 @@
-// How a robot is left, in virtual time, by a port that fails once at any of its calls.
+// How a robot is left, in virtual time, through a port that fails once at any of its calls.
 
 #include "hal/guard/farewell.hpp"
 
@@ -16,7 +16,7 @@
 namespace cargobay::hal {
 namespace {
 
-// The call with this index fails, whatever it is; from_then_on, all that follow do too.
+// The call with this index fails, whatever it is; with from_then_on, so do all that follow.
 class FailingStream final : public ForwardingStream {
  public:
   FailingStream(ByteStream& stream, int at, int error)
@@ -103,7 +103,7 @@ TEST_F(FarewellTest, SaysThatTheRobotDoesNotAnswer) {
   EXPECT_EQ(farewell(link), Parting::unconfirmed);
 }
 
-// Nothing is known of what was begun: the second try has what any command takes.
+// It is unknown what was begun: the second try sends enough to complete any command.
 TEST_F(FarewellTest, CompletesTheLongestCommandThereIs) {
   const std::array<std::uint8_t, 3> song_of_255{oi::Song::kOpcode, 0, 255};
   ASSERT_TRUE(write_all(link_, song_of_255));

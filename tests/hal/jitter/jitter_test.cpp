@@ -1,4 +1,4 @@
-// What the timing-jitter benchmark makes of instants, without a clock.
+// What the timing-jitter benchmark computes from instants, without a clock.
 #include <unistd.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ TEST(JitterRecorder, TakesAStampBeforeItsBeginningForNone) {
   EXPECT_EQ(measured.raw.max(), 0U);
 }
 
-// Slices whose values are alike: `shift` from slice to slice.
+// Slices with similar values: `shift` from slice to slice.
 std::vector<Slice> slices(double scale, double shift, unsigned seed) {
   std::mt19937 random{seed};
   std::lognormal_distribution<double> values{0.0, 0.3};
@@ -78,7 +78,8 @@ TEST(Bootstrap, KnowsAPercentile) {
   EXPECT_EQ(percentile({}, 50), 0.0);
 }
 
-// Of a hundred pairs of the same thing, the interval holds 1 in about 95; and a tenth more is seen.
+// For a hundred pairs of the same thing, about 95 intervals contain 1; a difference of a tenth
+// shows.
 TEST(Bootstrap, IsAsSureAsItSays) {
   int holds = 0;
   int sees = 0;
@@ -95,7 +96,7 @@ TEST(Bootstrap, IsAsSureAsItSays) {
   EXPECT_GE(sees, 95);
 }
 
-// Moods of the machine make neighbours alike: single values would seem to be surer than they are.
+// Neighbours are alike, because the machine has moods: single values would look more certain.
 TEST(Bootstrap, IsLessSureWhereSlicesDiffer) {
   const Estimate calm = ratio_of_percentiles(slices(1.0, 0.0, 1), slices(1.0, 0.0, 2), 50);
   const Estimate moody = ratio_of_percentiles(slices(1.0, 0.2, 1), slices(1.0, 0.2, 2), 50);

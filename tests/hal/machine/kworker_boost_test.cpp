@@ -89,7 +89,7 @@ TEST_F(KworkerBoostTest, LeavesAloneWhatIsNoLongerAsItMadeIt) {
   KworkerBoost boost{79, proc_, scheduler()};
   ASSERT_EQ(boost.start(), 0);
   add(21, "sshd", 0, 79);                                        // its number was reused
-  add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 60);  // somebody else's wish
+  add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 60);  // set by another program
   boost.stop();
   EXPECT_THAT(lowered_, IsEmpty());
 }

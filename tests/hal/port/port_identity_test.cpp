@@ -1,4 +1,4 @@
-// Which port is taken for the one that was lost, among adapters made up.
+// Which port counts as the lost one, among made-up adapters.
 #include "hal/port/port_identity.hpp"
 
 #include <fcntl.h>
@@ -82,7 +82,7 @@ TEST_F(PortIdentityTest, FollowsTheOneAdapterOfItsKindThatHasNoSerialNumber) {
   EXPECT_EQ(find(it, {adapter("/dev/ttyUSB3", "")}), "/dev/ttyUSB3");
 }
 
-// The one that is left is the other robot's.
+// The remaining one is the other robot's.
 TEST_F(PortIdentityTest, KnowsOneOfTwinsByItsNameOnly) {
   const std::string ours = make("ttyUSB0");
   const PortInfo twin = adapter("/dev/ttyUSB1", "");

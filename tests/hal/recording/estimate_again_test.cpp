@@ -30,7 +30,7 @@ TEST(EstimateAgain, IsTheSameWithTheSameParameters) {
   }
 }
 
-// How long a silence was the loop finds out later, by the second frame behind it.
+// The loop finds out later how long a silence lasted, by the second frame after it.
 TEST(EstimateAgain, IsNearlyTheSameThroughASilence) {
   RecordedDrive drive;
   int swallowed = 0;

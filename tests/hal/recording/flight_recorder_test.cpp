@@ -32,7 +32,7 @@ std::vector<Entry> entries_of(const FlightRecorder::Block& block) {
   return all;
 }
 
-// All the blocks that there are.
+// All blocks available.
 std::vector<FlightRecorder::Block> drained(const FlightRecorder& recorder,
                                            FlightRecorder::Cursor& cursor) {
   std::vector<FlightRecorder::Block> blocks;
@@ -145,13 +145,13 @@ TEST(FlightRecorder, KeepsTheLastAndCountsWhatIsGone) {
     EXPECT_EQ(blocks[i].number, kBlocks - blocks.size() + i);
     EXPECT_EQ(entries_of(blocks[i])[1].bytes.size(), blocks[i].number % bytes.size());
   }
-  // The cursor stands at the end, and finds what comes.
+  // The cursor is at the end, and finds what comes.
   recorder.waited(ByteStream::Wait::ready);
   recorder.ended(CycleEnd::asked);
   EXPECT_EQ(drained(recorder, cursor).size(), 1U);
 }
 
-// A frame's block as the header says it: so much of it in the default size.
+// The default size holds as much as the header says.
 TEST(FlightRecorder, KeepsAHundredSecondsOfSteadyDriving) {
   RecordedDrive drive;
   drive.run(10'000);
@@ -160,7 +160,7 @@ TEST(FlightRecorder, KeepsAHundredSecondsOfSteadyDriving) {
   EXPECT_EQ(blocks.back().number, 10'001U);
 }
 
-// A reader on another thread sees whole blocks in their order, whatever it misses.
+// A reader on another thread sees whole blocks in order, whichever it misses.
 TEST(FlightRecorder, IsReadWhileItIsWritten) {
   FlightRecorder recorder{1};
   std::atomic<bool> over{false};
@@ -174,7 +174,7 @@ TEST(FlightRecorder, IsReadWhileItIsWritten) {
       last_round = over.load(std::memory_order_acquire);  // pairs with the store below
       while (recorder.next(cursor, block)) {
         ++read;
-        // Each block holds its number, many times.
+        // Each block contains its number, many times.
         const std::vector<Entry> entries = entries_of(block);
         const auto value = static_cast<std::uint8_t>(block.number);
         const bool sound =

@@ -1,4 +1,4 @@
-// Reading recordings: whole, cut off, damaged, or nothing of the kind.
+// Reading recordings: complete, cut off, damaged, or not a recording at all.
 #include "hal/recording/recording.hpp"
 
 #include <algorithm>
@@ -137,7 +137,7 @@ TEST(Recording, IsOfThisVersionOnly) {
   EXPECT_TRUE(says(complaint_about(file), "version 9, and this program reads version 1"));
 }
 
-// As the power was cut at any byte.
+// As if the power had failed at any byte.
 TEST(Recording, IsReadUpToTheLastWholeBlock) {
   const auto whole = Recording::read(drive());
   ASSERT_TRUE(whole);
@@ -159,7 +159,7 @@ TEST(Recording, IsReadUpToTheLastWholeBlock) {
   EXPECT_EQ(blocks, whole->blocks().size());
 }
 
-// Wherever a bit flips, it is found, or the end of the file seems to be cut off.
+// Wherever a bit flips, it is detected, or the file seems to be cut off.
 TEST(Recording, IsNotReadWhereABitHasFlipped) {
   const auto whole = Recording::read(drive());
   ASSERT_TRUE(whole);
@@ -219,7 +219,7 @@ TEST(Recording, RefusesBlocksOutOfOrder) {
   EXPECT_TRUE(says(complaint_about(file), "out of order"));
 }
 
-// Whatever a block says of itself, with a checksum that is right.
+// Whatever a block claims about itself, with a correct checksum.
 TEST(Recording, TrustsNoLength) {
   std::mt19937 random{3};
   const Bytes header = encode(RecordingHeader{.baud = 57600});

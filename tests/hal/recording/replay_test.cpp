@@ -1,4 +1,4 @@
-// What was recorded is replayed bit for bit, and where something differs it is found.
+// What was recorded is replayed bit for bit, and any difference is found.
 #include "hal/recording/replay.hpp"
 
 #include <cmath>
@@ -141,7 +141,7 @@ TEST(Replay, IsTheSameForSetpoints) {
   EXPECT_EQ(result.frames, 120U);
 }
 
-// The recorded drive as somebody tells it who changes the nth entry of a kind.
+// The recorded drive with the nth entry of a kind changed.
 using Change = std::function<void(Entry& entry, std::vector<std::uint8_t>& bytes)>;
 std::vector<std::uint8_t> retold(const RecordedDrive& drive, EntryKind kind, int nth,
                                  const Change& change) {
@@ -188,7 +188,7 @@ TEST(Replay, FindsARequestThatWasAnother) {
   EXPECT_NE(told(result).find("bytes written"), std::string::npos);
 }
 
-// However a cycle can end, its recording tells.
+// However a cycle can end, its recording shows it.
 TEST(Replay, KnowsEveryEnd) {
   for (const CycleEnd end : {CycleEnd::asked, CycleEnd::link_lost, CycleEnd::mode_lost,
                              CycleEnd::hung_up, CycleEnd::guarded, CycleEnd::control_overrun}) {
@@ -204,7 +204,7 @@ TEST(Replay, KnowsEveryEnd) {
 TEST(Replay, FindsOneBitOfAByteThatWasRead) {
   RecordedDrive drive;
   drive.run(500);
-  // Its checksum: the frame is taken for damaged, and the tick goes by without an answer.
+  // Its checksum: the frame counts as damaged, and the tick passes without an answer.
   const ReplayResult result =
       replayed(retold(drive, EntryKind::read, 400, [](auto&, auto& bytes) { bytes.back() ^= 1; }));
   ASSERT_TRUE(result.difference);
@@ -234,7 +234,7 @@ TEST(Replay, FindsTheLastBitOfAnEstimate) {
   EXPECT_EQ(result.frames, 250U);
 }
 
-// As one whose arithmetic is not the same: it shows in the last bits at first.
+// As if the arithmetic were different: at first only the last bits differ.
 TEST(Replay, FindsALoopThatIsNotTheSame) {
   RecordedDrive drive;
   drive.run(500);

@@ -21,7 +21,7 @@ Result<CalibrationResult> calibrate(const sim::Parameters& robot, double speed_m
   return calibration.result(delay_s);
 }
 
-// Each of these robots is another one, and none is what the loop assumes.
+// Each of these robots is different, and none is what the loop assumes.
 TEST(Calibration, FindsOutWhatTheRobotIs) {
   struct Case {
     double wheel_base_mm;

@@ -1,4 +1,4 @@
-// How a lost link is sought, in a machine made up; the robot that is found is a virtual Create in
+// How a lost link is sought, on a made-up machine; the robot that is found is a virtual Create in
 // virtual time.
 #include "hal/robot/reconnect.hpp"
 
@@ -40,7 +40,7 @@ TEST(MayReconnect, WhereTheLinkWasLostAndNotTheMode) {
   EXPECT_FALSE(may_reconnect(CycleEnd::mode_lost));
 }
 
-// A USB adapter, its ports and its time. Time passes where reconnect() sleeps, and only there.
+// A USB adapter, its ports and its time. Time passes only while reconnect() sleeps.
 class ReconnectTest : public testing::Test {
  protected:
   ReconnectTest() {
@@ -146,12 +146,12 @@ TEST_F(ReconnectTest, MayBeCancelledAtAnyTime) {
   EXPECT_LE(longest_sleep_, milliseconds{20});
 }
 
-// The robot may be off: that its port is there is not all.
+// The robot may be off: finding its port is not enough.
 TEST_F(ReconnectTest, EndsABringUpThatOutlastsItsPatience) {
   device_.press_power();
   request_.patience = std::chrono::seconds{2};
   request_.robot.cancelled = [this] {
-    pass(milliseconds{20});  // so often a bring-up asks
+    pass(milliseconds{20});  // how often a bring-up asks
     return false;
   };
   const auto back = reconnect(request_);

@@ -25,13 +25,13 @@ constexpr rt::RealtimeRequest kNoRights{.lock_memory = false, .hold_dma_latency 
 
 class RobotTest : public testing::Test {
  protected:
-  // The link is the robot's; whoever wants to break it does so through here.
+  // The robot owns the link; a test that wants to break it does so through here.
   std::unique_ptr<ByteStream> make_link() {
     auto link = std::make_unique<sim::VirtualLink>(device_);
     link_ = link.get();
     return link;
   }
-  // Asks for 200 mm/s, and ends after so many frames.
+  // Asks for 200 mm/s, and ends after this many frames.
   struct Driver {
     Robot* robot = nullptr;
     int frames = 100;
@@ -116,7 +116,7 @@ TEST_F(RobotTest, IsStoppedFromOutside) {
 }
 
 TEST_F(RobotTest, IsStoppedWhereTheControlFunctionDoesNotReturn) {
-  // The thread comes back to them whenever it likes.
+  // The thread may come back to them at any time.
   static sim::Device& device = *new sim::Device{sim::Parameters{}};
   static Driver& driver = *new Driver{.frames = 50};
   static std::binary_semaphore& come_back = *new std::binary_semaphore{0};
@@ -190,7 +190,7 @@ TEST_F(RobotTest, FollowsSetpointsFromAnotherThread) {
     turns.give_one();
   }
   EXPECT_GE(estimate(), 100.0);
-  // Nobody renews it now.
+  // It is not renewed from now on.
   for (int i = 0; i < kPatience && !cycle.state()->setpoint_lapsed; ++i) turns.give_one();
   EXPECT_TRUE(cycle.state()->setpoint_lapsed);
   turns.end();
@@ -222,7 +222,7 @@ TEST_F(RobotTest, SaysThatTheRobotLeftItsMode) {
   expect_standing_in_passive();
 }
 
-// Told to go on to Full by somebody else on the line: it moves, and still obeys.
+// Told by another program on the line to go to Full: it moves, and still obeys.
 TEST_F(RobotTest, IsStoppedWhereItWasPutIntoAnotherDrivingMode) {
   auto robot = Robot::open(make_link(), {.realtime = kNoRights});
   ASSERT_TRUE(robot);
@@ -240,7 +240,7 @@ TEST_F(RobotTest, IsStoppedWhereItWasPutIntoAnotherDrivingMode) {
   expect_standing_in_passive();
 }
 
-// No CPU of that number: not what real time needs, so it is told and driven all the same.
+// There is no CPU with that number; real time does not need it, so this is reported, and it drives.
 TEST_F(RobotTest, GoesOnWithoutTheCpuAskedFor) {
   auto robot = Robot::open(
       make_link(),
@@ -255,7 +255,7 @@ TEST_F(RobotTest, GoesOnWithoutTheCpuAskedFor) {
   EXPECT_TRUE((*robot)->stop().robot.standing());
 }
 
-// Memory that was not asked to be locked is not locked: as good as a refusal.
+// Memory that was not to be locked is not locked: this counts as a refusal.
 TEST_F(RobotTest, NeverMovesWithoutTheRightsItRequires) {
   int moves = 0;
   device_.on_drive = [&](const sim::DriveRecord& record) {

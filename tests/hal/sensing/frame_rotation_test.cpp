@@ -36,7 +36,7 @@ TEST(FrameRotation, TellsOfHazardsBetweenReadings) {
   EXPECT_NEAR(frames[FrameList::battery], 4000.0 / FrameRotation::kBatteryTicks, 2);
 }
 
-// DriveDirect and the longest list behind it, too, where the robot is slowest.
+// Including DriveDirect and the longest list after it, at the robot's slowest.
 TEST(FrameLists, AreAnsweredWithinATickAt19200Baud) {
   const auto answer = oi::kDriveDirectBytes + 2 + kReadingList.size();
   EXPECT_LT(oi::wire_time(kFrameBytes + answer, oi::kBrcBaud), oi::kTick);

@@ -32,7 +32,7 @@ TEST(HearingWatch, MissesAListThatDoesNotComeWithinItsPatience) {
   EXPECT_TRUE(watch.deaf());
 }
 
-// Told for one tick only: both lists that came since are ones that were told.
+// Requested for one tick only: both lists that came since had been requested.
 TEST(HearingWatch, MissesAListThatWasTakenBackAtOnce) {
   HearingWatch watch{hazards};
   watch.told(reading);

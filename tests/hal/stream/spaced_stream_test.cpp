@@ -15,7 +15,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-// A port in virtual time that remembers when it was given each byte.
+// A port in virtual time that records when it was given each byte.
 class Port final : public ByteStream {
  public:
   struct Byte {

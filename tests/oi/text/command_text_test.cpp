@@ -23,12 +23,12 @@ using testing::HasSubstr;
 
 struct Encoded {
   Bytes bytes;
-  std::string error;  // as format_error() words it; empty where there is none
+  std::string error;  // as format_error() words it; empty if there is none
   std::optional<TextError> what;
 };
 
 Encoded encode_with_room(std::string_view text, std::size_t room) {
-  // Exactly as long as they are, so that a sanitizer sees a step past an end.
+  // Allocated to exactly its size, so that a sanitizer sees a read past an end.
   const auto characters = std::make_unique<char[]>(text.size());
   std::copy(text.begin(), text.end(), characters.get());
   const auto out = std::make_unique<std::uint8_t[]>(room);
@@ -58,7 +58,7 @@ std::string text_of(const Bytes& command) {
   return {out.get(), format_command(command, {out.get(), kMaxCommandText})};
 }
 
-// The inverse holds for these bytes; returns their text.
+// Checks that the inverse holds for these bytes; returns their text.
 std::string round_trip(const Bytes& command) {
   std::string text = text_of(command);
   EXPECT_NE(text, "");
@@ -196,7 +196,7 @@ TEST(EncodeText, FillsTheBufferAndNoMore) {
   }
 }
 
-// Errors, by their texts.
+// Errors, by their text.
 
 TEST(EncodeText, NamesArgumentRangeAndUnit) {
   EXPECT_EQ(error_of("safe; drive 600 0"),

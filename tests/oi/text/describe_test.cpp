@@ -19,8 +19,8 @@ namespace {
 using Kind = Annotation::Kind;
 using testing::HasSubstr;
 
-// A line for each annotation: `offset+count text`, with `! ` before what is not sound and two
-// blanks before what is in a script.
+// One line per annotation: `offset+count text`, with `! ` before an unsound one and two blanks
+// before one inside a script.
 class Collector {
  public:
   explicit Collector(std::size_t size) : size_{size} {}
@@ -55,7 +55,7 @@ struct Text {
 
 template <typename Describe>
 Text collected(const Bytes& bytes, Describe&& describe) {
-  // Exactly as long as they are, so that a sanitizer sees a read past their end.
+  // Allocated to exactly its size, so that a sanitizer sees a read past the end.
   const auto exact = std::make_unique<std::uint8_t[]>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), exact.get());
   Collector collector{bytes.size()};
@@ -212,7 +212,7 @@ TEST(DescribeStream, TellsTextFromDamage) {
 
 TEST(DescribeStream, FindsTheFrameInsideWhatLooksLikeOne) {
   const Bytes good = frame_around({35, 2});
-  // A header and a length that would swallow the frame, were its checksum not right.
+  // A header and a length that would swallow the frame, if its checksum were not right.
   const std::string lines = stream(Bytes{19, 5, 17, 0, 17} + good).lines;
   EXPECT_THAT(lines, HasSubstr("+1 oi_mode 2 (safe)\n"));
 }

@@ -95,7 +95,7 @@ TEST(Rtttl, HoldsANoteTooLongForOne) {
   EXPECT_EQ(read("t:d=1,o=5,b=60:c"), "c5:255 c5:1");
 }
 
-// 85 beats a minute, sixteenths: 11.29 of 1/64 s each. Rounded one by one they would lose a second
+// 85 beats a minute, sixteenths: 11.29 of 1/64 s each. Rounded one by one, they would lose a second
 // in 225 notes.
 TEST(Rtttl, DurationsDoNotDrift) {
   std::string notes = "c";
@@ -184,7 +184,7 @@ TEST(Rtttl, SaysWhereAndWhatIsWrong) {
     EXPECT_EQ(read(wrong.text), wrong.error) << wrong.text;
     seen.insert(wrong.error.substr(wrong.error.find(": ") + 2));
   }
-  EXPECT_EQ(seen.size(), 9U);  // all but the one of too many notes
+  EXPECT_EQ(seen.size(), 9U);  // all but the one for too many notes
 }
 
 TEST(Rtttl, TakesNulForNothingSpecial) {
@@ -255,10 +255,10 @@ TEST(Rtttl, ReadsFuerElise) {
 }
 
 // What holds for every text: either the tone is untouched and the column is in the text or right
-// behind it, or every note can be sent.
+// after it, or every note can be sent.
 void check(const std::string& text) {
   RingTone tone;
-  // Without a byte behind it, so that a sanitizer sees a read past the end.
+  // With no byte after it, so that a sanitizer sees a read past the end.
   const std::vector<char> exact(text.begin(), text.end());
   const auto error = read_rtttl({exact.data(), exact.size()}, tone);
   if (error) {

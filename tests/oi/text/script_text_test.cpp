@@ -45,7 +45,7 @@ std::string complaint(std::string_view text) {
   return {line.data(), format_error(*error, text, line)};
 }
 
-// What must hold for any body: the text is the same bytes, and is its own canonical form.
+// What must hold for any body: its text gives the same bytes, and is its own canonical form.
 void check_inverse(const Bytes& body) {
   const Script script = script_of(body);
   const std::string text = text_of(script);
@@ -239,8 +239,8 @@ TEST(ScriptText, ErrorsAreCutOffWhereTheRoomEnds) {
   }
 }
 
-// Every command with its smallest and largest values is a line of its own, not one of bytes: so
-// the room for each byte suffices.
+// Every command with its smallest and largest values is a line of its own, not one of bytes: so the
+// room for each byte is sufficient.
 TEST(ScriptText, HasALineForEveryCommand) {
   for (const CommandInfo& info : kCommands) {
     if (info.opcode == Script::kOpcode) continue;
@@ -299,7 +299,7 @@ class RandomBody {
     for (std::uint8_t& each : body) each = byte();
     return body;
   }
-  // Opcodes of the manual with any data behind them: mostly commands, some out of range.
+  // Opcodes of the manual followed by any data: mostly commands, some out of range.
   Bytes commands() {
     Bytes body;
     while (body.size() < kMaxScriptBytes) {
@@ -338,7 +338,7 @@ TEST(ScriptText, RoundTripsAnyCommands) {
   for (int i = 0; i < 2000 && !HasFailure(); ++i) check_inverse(random.commands());
 }
 
-// No `bytes` where every command is valid: a line for each, in the order of the bytes.
+// No `bytes` if every command is valid: a line for each, in the order of the bytes.
 TEST(ScriptText, WritesValidScriptsInCommandsOnly) {
   RandomBody random;
   for (int i = 0; i < 1000 && !HasFailure(); ++i) {
@@ -356,7 +356,7 @@ TEST(ScriptText, WritesValidScriptsInCommandsOnly) {
   }
 }
 
-// Text that was cut off or garbled compiles or is refused in its place; what compiles has a text.
+// Truncated or garbled text compiles or is refused at the right place; what compiles has a text.
 TEST(ScriptText, GarbledTextsAreHarmless) {
   RandomBody random;
   constexpr std::string_view kLikely = "#;{}\n \t-0123456789abcdefxbytesript,:_";

@@ -97,7 +97,7 @@ TEST(SplitSong, MakesNoSongOfNoNotes) {
   EXPECT_TRUE(songs->empty());
 }
 
-// The notes come out in order, in slots that follow each other, and every song can be sent.
+// The notes come out in order, in consecutive slots, and every song can be sent.
 TEST(SplitSong, KeepsEveryNoteForEveryLength) {
   for (std::size_t count = 1; count <= kMaxTuneNotes; ++count) {
     const std::vector<Note> all = notes(count);

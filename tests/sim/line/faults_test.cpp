@@ -1,4 +1,4 @@
-// The named faults: what each does, and that one seed does it the same way again.
+// The named faults: what each does, and that a seed repeats it exactly.
 #include <set>
 #include <string>
 
@@ -35,7 +35,7 @@ struct Streaming : Robot {
 
 const Bytes kFrame{19, 2, 35, 3, 197};
 
-// How many of the frames came through whole, one behind the other or with something between.
+// How many of the frames came through whole, directly in a row or with something in between.
 std::size_t whole_frames(const Bytes& bytes) {
   std::size_t frames = 0;
   auto at = bytes.begin();
@@ -114,7 +114,7 @@ TEST(Faults, BunchBytesByTheAdaptersTimer) {
   EXPECT_EQ(whole_frames(robot.receive()), 7U);
 }
 
-// Each third frame is 4 ms late, as a whole, and no other.
+// Every third frame is 4 ms late, as a whole, and no other.
 TEST(Faults, HoldBackWholeFrames) {
   Streaming robot;
   robot.wait(100ms);
@@ -244,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(EachThatIsRandom, FaultsOfChance,
                          testing::Values("lost 0.02", "flipped 0.02", "duplicated 0.02 both",
                                          "inserted 0.02", "garbled-frame 20", "junk-reading 20"));
 
-// Which bytes come is the same under any seed: when they come is not.
+// Which bytes come is the same for any seed; when they come is not.
 TEST(Faults, RepeatTheirJitterUnderOneSeed) {
   const auto run = [](std::uint64_t seed) {
     Streaming robot{seed};

@@ -18,7 +18,7 @@ constexpr rt::Duration kSpacing = microseconds{200};
 
 rt::TimePoint at(rt::Duration since) { return rt::TimePoint{std::chrono::hours{1} + since}; }
 
-// Looks each `period`, from 0 on, and hands over what was written `delay` before.
+// Looks every `period`, from 0 on, and delivers what was written `delay` before.
 class Watch {
  public:
   Watch(const std::vector<rt::Duration>& writes, rt::Duration delay)

@@ -14,7 +14,7 @@ using namespace test;  // NOLINT(google-build-using-namespace): this file's own 
 struct Controlled : Robot {
   using Robot::Robot;
   std::string say(std::string_view line) { return control(line, link.cable()); }
-  // The number behind a key of the state; -1 where there is none.
+  // The number after a key of the state; -1 if there is none.
   double state(const std::string& key) {
     const std::string json = say("state");
     const std::size_t at = json.find("\"" + key + "\":");
@@ -67,7 +67,7 @@ TEST(Control, HoldsThingsToTheSensors) {
   }
 }
 
-// By hand as in a world (OI p. 17).
+// By command, just as in a world (OI p. 17).
 TEST(Control, TripsTheVirtualWallSensorWithAForceField) {
   Controlled robot;
   robot.send({128});

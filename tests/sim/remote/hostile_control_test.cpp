@@ -1,4 +1,4 @@
-// Every command of the control socket with what nobody should say.
+// Every command of the control socket with arguments that make no sense.
 #include <cmath>
 #include <initializer_list>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
-// In place of a number, a name, or behind all that belongs there.
+// In place of a number or a name, or after a complete command.
 const std::vector<std::string>& hostile_words() {
   static const std::vector<std::string> kWords{"nan",
                                                "-nan",
@@ -51,7 +51,7 @@ const std::vector<std::string>& hostile_words() {
 struct StandingRobot : Robot {
   StandingRobot() { send({128, 132}); }
   std::string say(std::string_view line) { return control(line, link.cable()); }
-  // In its place, told nothing, and alive.
+  // In its place, with no command obeyed, and alive.
   bool stands() {
     const Pose pose = device.truth().pose;
     return pose.x_mm == 0.0 && pose.y_mm == 0.0 && pose.heading_rad == 0.0 &&
@@ -60,7 +60,7 @@ struct StandingRobot : Robot {
   }
 };
 
-// Refused, by one line that says what is wanted.
+// Refused, with one line that says what is wanted.
 void expect_refusal(StandingRobot& robot, const std::string& line) {
   const std::string answer = robot.say(line);
   const bool says = answer.starts_with("error: it is '") || answer.starts_with("error: no ");
@@ -115,7 +115,7 @@ TEST(HostileControl, IsRefusedInEachFault) {
   EXPECT_TRUE(robot.stands());
 }
 
-// The right kind of word beyond the range.
+// The right kind of word, out of range.
 TEST(HostileControl, IsRefusedBeyondEachRange) {
   StandingRobot robot;
   for (const char* line : {"press play 3600000.1",

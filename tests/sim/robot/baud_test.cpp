@@ -85,8 +85,8 @@ TEST(Baud, GarblesTheStreamAtAWrongRate) {
   EXPECT_EQ(std::count(garbled.begin(), garbled.end(), 19), 0);
 }
 
-// Found by fuzzing: a host at a very slow rate was handed the bytes that had gone by, all at once,
-// when it changed to theirs.
+// Found by fuzzing: when a host at a very slow rate changed to the robot's, it got all the bytes
+// that had gone by at once.
 TEST(Baud, IsNotHeardAfterwardsAtTheRateItWasMissedAt) {
   Robot robot;
   ASSERT_FALSE(robot.link.set_baud(1));
@@ -100,7 +100,7 @@ TEST(Baud, IsNotHeardAfterwardsAtTheRateItWasMissedAt) {
   EXPECT_EQ(robot.receive(), (Bytes{'h', 'e', 'a', 'r', 'd'}));
 }
 
-// Found by fuzzing: one byte at 1 baud held up all that came behind it.
+// Found by fuzzing: one byte at 1 baud held up everything after it.
 TEST(Baud, DoesNotWaitForEverForWhatWasSentTooSlowly) {
   Robot robot;
   ASSERT_FALSE(robot.link.set_baud(1));
@@ -110,7 +110,7 @@ TEST(Baud, DoesNotWaitForEverForWhatWasSentTooSlowly) {
   robot.send({128});
   EXPECT_EQ(robot.device.mode(), oi::Mode::passive);
   EXPECT_LT(robot.link.now().time_since_epoch(), 3s);
-  // What would have left in time does.
+  // Bytes that would have left in time do leave.
   ASSERT_FALSE(robot.link.set_baud(19200));
   ASSERT_FALSE(robot.link.set_baud(57600));
   EXPECT_EQ(robot.link.write(Bytes{131, 132}).count, 2U);

@@ -55,7 +55,7 @@ TEST(Drive, SlowsAnArcThatIsTooFastForItsOuterWheel) {
   EXPECT_DOUBLE_EQ(speeds.right_mm_s, 500.0);
 }
 
-// Found by fuzzing: by a rounding.
+// Found by fuzzing: rounding exceeded it.
 TEST(Drive, IsNeverFasterThanAWheelMayBe) {
   Robot robot;
   robot.send({128, 132});

@@ -1,4 +1,4 @@
-// What some firmware knows beyond the manual.
+// What some firmware has beyond the manual.
 #include "oi/extensions.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Statements of the manual that only the virtual Create's own truth can show (docs/conformance.md).
+// Statements of the manual that only the virtual Create's true state can show
+// (docs/conformance.md).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -142,7 +143,7 @@ struct DemoRobot : Robot {
     send({128, 136, number});
     wait(200ms);  // the beep at Start is over
   }
-  // Of the circle that the wheels are told to drive; 0 in place.
+  // The radius of the circle that the wheels are told to drive; 0 in place.
   double radius_mm() const {
     const WheelSpeeds speeds = device.commanded();
     return 129.0 * (speeds.right_mm_s + speeds.left_mm_s) / (speeds.right_mm_s - speeds.left_mm_s);

@@ -1,4 +1,4 @@
-// OI p. 6 and 7: what each mode hears and what changes it.
+// OI p. 6 and 7: what each mode obeys and what changes it.
 #include <gtest/gtest.h>
 
 #include "tests/sim/robot.hpp"
@@ -96,7 +96,7 @@ TEST(Modes, WaitForTheBytesOfAHalfSentCommand) {
   Robot robot;
   robot.send({128, 132, 145, 0});
   robot.wait(5s);
-  robot.send({128, 131, 142});  // its data, whatever they mean elsewhere
+  robot.send({128, 131, 142});  // its data, whatever they would mean elsewhere
   EXPECT_EQ(robot.device.mode(), Mode::full);
   EXPECT_EQ(robot.device.commanded().right_mm_s, 128.0);
   EXPECT_EQ(robot.device.commanded().left_mm_s, -500.0) << "131 142 is -31858, which it cannot do";
@@ -112,7 +112,7 @@ TEST(Modes, IgnoreUnknownOpcodes) {
 }
 
 TEST(Modes, AreFreedFromAnyHalfSentCommandByStarts) {
-  // The longest that the parser can be made to wait for is a song of 255 notes.
+  // The longest command that the parser can wait for is a song of 255 notes.
   Robot robot;
   robot.send({128, 132, 140, 0, 255});
   robot.send(Bytes(510, 128));
@@ -120,7 +120,7 @@ TEST(Modes, AreFreedFromAnyHalfSentCommandByStarts) {
   EXPECT_EQ(robot.device.mode(), Mode::safe);
 }
 
-// It listens for Start, and does not take the bytes of a command together to find it.
+// It listens for Start, and does not assemble commands to find it.
 TEST(Modes, OffFindsStartInTheDataOfACommand) {
   Robot robot;
   robot.send({137, 0, 100, 128});
@@ -148,7 +148,7 @@ TEST(Modes, TurnTheLedsOffWhenFullBegins) {
   }
 }
 
-// "You cannot change" them to something else (OI p. 6): what does not move goes on as it is.
+// "You cannot change" them to something else (OI p. 6): everything except motion goes on as it is.
 void expect_what_passive_leaves(const Robot& robot) {
   EXPECT_EQ(robot.device.mode(), Mode::passive);
   EXPECT_EQ(robot.device.commanded(), WheelSpeeds{});
@@ -170,7 +170,7 @@ TEST(Modes, LeaveOutputsLedsAndSongsAloneWhenPassiveBegins) {
   }
 }
 
-// Where the robot has a nearest thing to do it does that; elsewhere nothing.
+// If the robot has a sensible nearest value it uses that; otherwise it does nothing.
 TEST(Modes, CountWhatIsOutOfRange) {
   struct Case {
     Bytes command;

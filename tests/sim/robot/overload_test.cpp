@@ -1,4 +1,4 @@
-// OI p. 10 and 17: what asks for too much current gets its limit, and packet 14 says so.
+// OI p. 10 and 17: anything that asks for too much current gets its limit, and packet 14 says so.
 #include <gtest/gtest.h>
 
 #include "tests/sim/robot.hpp"
@@ -10,7 +10,7 @@ using namespace test;  // NOLINT(google-build-using-namespace): this file's own 
 
 struct InFull : Robot {
   InFull() : Robot{ideal_wheels()} { send({128, 132}); }
-  // Over the last tick.
+  // The current over the last tick.
   double drawn_ma() {
     to_tick();
     return -device.battery().current_ma();

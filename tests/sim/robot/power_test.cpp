@@ -1,4 +1,4 @@
-// OI p. 4 and 5: power, boot, the Baud Rate Change pin; and what the robot prints beside its
+// OI p. 4 and 5: power, boot, the Baud Rate Change pin; and what the robot prints besides its
 // packets.
 #include <string>
 
@@ -202,7 +202,7 @@ TEST(Brc, BeginsAgainAfterABadPulse) {
   EXPECT_EQ(switched_after, 6);
 }
 
-// The manual has no longest gap and no latest time (OI p. 5).
+// The manual sets no longest gap and no latest time (OI p. 5).
 TEST(Brc, CountsPulsesHoweverLateAndFarApart) {
   Robot robot;
   robot.wait(3600s);
@@ -223,7 +223,8 @@ TEST(Brc, IsNotUndoneByMorePulses) {
   EXPECT_EQ(robot.device.baud(), 19200U) << "the seventh was the first of another three";
 }
 
-// The manual's table of packet 32 has the rate follow the pin (OI p. 20), its page 5 has pulses.
+// In the manual's table of packet 32 the rate follows the pin (OI p. 20), on its page 5 it takes
+// pulses.
 TEST(Brc, IsNotHeldLowForARate) {
   Robot robot;
   robot.device.set_brc(false);

@@ -16,7 +16,7 @@ struct Asked : Robot {
     list.resize(257, 6);
     send(list);
   }
-  // All that comes within that time, read as it comes.
+  // Everything that comes within that time, read as it comes.
   Bytes listen(rt::Duration period) {
     Bytes heard;
     for (rt::Duration left = period; left > 0ms; left -= 10ms) {
@@ -65,7 +65,7 @@ TEST(Replies, HaveNoFramesInThem) {
   EXPECT_EQ(robot.device.counters().bytes_lost, 0U);
 }
 
-// Of a stream that does not fit the line: it has filled the robot's memory when the question comes.
+// A stream that does not fit the line has filled the robot's memory when the question comes.
 TEST(Replies, ComeWholeBehindAStreamThatDoesNotFit) {
   Asked robot;
   Bytes stream{148, 4, 6, 6, 6, 6};
@@ -89,7 +89,7 @@ TEST(Replies, EndWithThePower) {
   EXPECT_EQ(robot.ask({142, 35}), (Bytes{1}));
 }
 
-// The manual has 43 ids (OI p. 13). A client that asks for another gets no bytes for it, and those
+// The manual has 43 ids (OI p. 13). A client that asks for another gets no bytes for it, but those
 // of the others.
 TEST(Replies, PassOverWhatIsNoPacket) {
   Asked robot;

@@ -1,4 +1,4 @@
-// OI p. 6: what makes Safe mode stop and become Passive, and Full not.
+// OI p. 6: what makes Safe mode stop and become Passive, but not Full.
 #include "hal/sim/safety.hpp"
 
 #include <gtest/gtest.h>
@@ -130,7 +130,7 @@ TEST(Safety, StopsARobotThatWaits) {
   EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
 }
 
-// The robot knows the direction that it is told, not the one that it goes (docs/protocol.md).
+// The robot knows the direction it is told to go, not the one it goes (docs/protocol.md).
 TEST(Safety, HeedsCliffsByTheCommandNotByTheMotion) {
   Driving coasting{kSafe, {200.0, 200.0}};
   coasting.wait(1s);

@@ -90,7 +90,7 @@ TEST(Script, IgnoresOneOfMoreThanAHundredBytes) {
 
 TEST(Wait, IsDeafAndKeepsWhatItHearsForLater) {
   Scripted robot;
-  // What hosts do: drive, wait, stop and ask for the script as a sign that it is done.
+  // What hosts do: drive, wait, stop, and ask for the script as a sign that it is done.
   robot.send({137, 0, 200, 128, 0, 156, 0, 100, 137, 0, 0, 0, 0, 154});
   robot.wait(400ms);
   EXPECT_TRUE(robot.device.waiting());
@@ -114,7 +114,7 @@ TEST(Wait, StartsNoDemoByTheButtonItWaitsFor) {
   EXPECT_FALSE(robot.device.demos().running());
 }
 
-// The host refuses to send one; the robot finds a command like any other.
+// The host refuses to send one; to the robot it is a command like any other.
 TEST(Script, MayHoldAScript) {
   Scripted robot;
   robot.send({152, 6, 152, 2, 142, 35, 142, 35, 153});
@@ -171,7 +171,7 @@ TEST(Wait, CountsAnglesBothWays) {
   EXPECT_FALSE(robot.device.waiting());
 }
 
-// Whichever way the robot goes: with a 0 that is only reached forward it would never end.
+// Whichever way the robot goes: a 0 that is only reached going forward would never end.
 TEST(Wait, EndsAtOnceForNoDistanceNoAngleAndNoTime) {
   for (const Bytes& drive :
        {Bytes{145, 0xff, 0x38, 0xff, 0x38}, Bytes{145, 0, 200, 0, 200}, Bytes{145, 0, 0, 0, 0},

@@ -1,4 +1,4 @@
-// OI p. 13, 17 to 21: Sensors, Query List and what they answer.
+// OI p. 13, 17 to 21: Sensors, Query List and their answers.
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -126,7 +126,7 @@ TEST(Distance, AddsUpWhereTheRemainderIsCarried) {
 }
 
 TEST(Distance, FallsShortWhereTheRemainderIsLost) {
-  // 1.5 mm a tick, in counts of 0.13 mm: one is left of each.
+  // 1.5 mm per tick, in counts of 0.13 mm: one remains each time.
   EXPECT_NEAR(sum_of_distances(Remainder::lost), 200, 4);
 }
 

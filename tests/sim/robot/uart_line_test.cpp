@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
-// All that arrives of these bytes, sent one behind the other.
+// Everything that arrives of these bytes, sent back to back.
 Bytes through(const Bytes& sent, std::uint32_t sender_baud, std::uint32_t receiver_baud) {
   UartLine line{sent.size() + 1};
   for (const std::uint8_t byte : sent) line.push(0ns, byte, sender_baud);
@@ -100,7 +100,7 @@ TEST(UartLine, GarblesWhatIsReadThreeTimesTooFast) {
 }
 
 TEST(UartLine, GarblesWhatIsReadThreeTimesTooSlowly) {
-  // Of three bytes of zeros one arrives, made of the middles of 24 bits.
+  // Three bytes of zeros arrive as one, made of the middles of 24 bits.
   EXPECT_EQ(through({0, 0, 0}, 57600, 19200).size(), 1U);
   EXPECT_NE(through({128, 132, 148, 1, 35}, 57600, 19200), (Bytes{128, 132, 148, 1, 35}));
 }

@@ -36,7 +36,7 @@ TEST(PathRecorder, TellsTheLastHeadingOfARobotThatOnlyTurns) {
   EXPECT_EQ(recorder.path().back().pose.heading_rad, 1.0);
 }
 
-// However long the way and however little room: the beginning, the end and all between are there.
+// However long the way and however little room: beginning, end and everything between are kept.
 TEST(PathRecorder, ThinsOutAllOfALongPathAlike) {
   for (const std::size_t most : {4U, 5U, 64U, 1000U}) {
     PathRecorder recorder{most};
@@ -55,7 +55,7 @@ TEST(PathRecorder, ThinsOutAllOfALongPathAlike) {
       longest_mm = std::max(longest_mm, step_mm);
       length_mm += step_mm;
     }
-    // A spiral of four points is no spiral.
+    // Four points do not make a spiral.
     if (most < 64) continue;
     EXPECT_LT(longest_mm, 5.0 * length_mm / static_cast<double>(path.size()));
   }
