@@ -11,6 +11,7 @@
 #include "gpio/pulse_train.hpp"
 #include "hal/bring_up/bring_up_failure.hpp"
 #include "hal/bring_up/dialogue.hpp"
+#include "hal/bring_up/rate_probe.hpp"
 #include "hal/guard/farewell.hpp"
 #include "oi/baud.hpp"
 #include "oi/commands.hpp"
@@ -23,19 +24,15 @@ namespace {
 using gpio::Level;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kFrameTimeout{300};  // a stream begins within a tick
-constexpr milliseconds kReplyTime{60};      // after the time on the wire
 constexpr milliseconds kModeTimeout{800};
 constexpr milliseconds kBootTime{3500};  // from the toggle until the robot listens
 constexpr milliseconds kBootMargin{2500};
 constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
 constexpr milliseconds kIndicatorTimeout{1000};
 constexpr milliseconds kSendTimeout{1000};
-constexpr int kGoodFrames = 3;    // in the wanted mode, before the mode is believed
-constexpr int kAnswerFrames = 2;  // at one rate, before the robot counts as found there
-constexpr auto kPassive = static_cast<std::uint8_t>(oi::Mode::passive);
+constexpr int kGoodFrames = 3;   // in the wanted mode, before the mode is believed
 constexpr int kMostToggles = 2;  // the first may have switched off a robot that was on and deaf
-constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands, of questions
+constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands
 // Rates that a robot may have been left at, likeliest first: its default, and those that hosts use.
 constexpr std::array<std::uint32_t, 3> kLikelyRates{57600, 19200, 115200};
 // Slowest first: zeros that come more slowly than the robot listens mean nothing to it.
@@ -43,14 +40,6 @@ constexpr std::array<std::uint32_t, 9> kOtherRates{300,  600,   1200,  2400, 480
                                                    9600, 14400, 28800, 38400};
 constexpr std::uint32_t kLeastFreedRate = 2400;  // frees a robot in two seconds
 constexpr std::size_t kChangeBytes = 5;          // Start, Pause Stream, Baud
-constexpr auto kSearchList = oi::list_of<oi::PacketId, oi::kMaxStreamPackets>(
-    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::voltage);
-// At a rate that cannot carry a stream, the robot is asked for this by Query List.
-constexpr auto kAskedList = oi::list_of<oi::PacketId, oi::kMaxQueryPackets>(
-    oi::PacketId::oi_mode, oi::PacketId::charging_state, oi::PacketId::oi_mode);
-constexpr std::size_t kAskedBytes = 2 + 2 + 2 * kAskedList.size();  // Pause, Query List, the reply
-
-std::string at_baud(std::uint32_t baud) { return "at " + std::to_string(baud) + " baud"; }
 
 std::string milliseconds_text(std::chrono::nanoseconds time) {
   return std::to_string(std::chrono::duration_cast<milliseconds>(time).count()) + " ms";
@@ -64,7 +53,9 @@ class BringUp {
         talk_{stream, request.cancelled},
         wanted_{stream.baud()},
         began_{stream.now()},
-        powered_at_{began_} {}
+        powered_at_{began_},
+        probe_{stream, talk_, request.packets,
+               [this](std::string_view step, const std::string& detail) { tell(step, detail); }} {}
 
   Result<BringUpReport> run();
 
@@ -113,21 +104,6 @@ class BringUp {
   bool verify_pulsed();
   bool widths_good(const gpio::PlayReport& report) const;
 
-  bool spoke() const;
-  // Whether it answers: with a stream, or with replies if the rate cannot carry one.
-  bool probe(std::uint32_t baud);
-  bool stirs(std::uint32_t baud);
-  bool streams(std::uint32_t baud);
-  bool replies(std::uint32_t baud);
-  bool probe_freed(std::uint32_t baud);
-  void note_silence(std::uint32_t baud) {
-    heard_.push_back({.baud = baud, .heard = talk_.heard()});
-    talk_.forget();
-  }
-  void set_port(std::uint32_t baud);
-  const oi::StreamList& list_at(std::uint32_t baud) const {
-    return baud == wanted_ ? request_.packets : kSearchList;
-  }
   void tell(std::string_view step, std::string detail = "") {
     step_ = step;
     if (request_.progress)
@@ -154,9 +130,9 @@ class BringUp {
   std::string step_{};
   BringUpTrouble trouble_ = BringUpTrouble::silent;
   std::error_code pin_error_{};
-  FramesHeard last_{};
-  std::vector<HeardAt> heard_{};
+  FramesHeard last_{};  // in the mode that was asked for
   BringUpReport report_{};
+  RateProbe probe_;
 };
 
 BringUp::Step BringUp::take(Step step) {
@@ -185,6 +161,8 @@ Result<BringUpReport> BringUp::run() {
   while (step != Step::done && step != Step::failed) step = take(step);
   if (step == Step::failed || talk_.over()) return failure();
   report_.took = stream_.now() - began_;
+  report_.resynchronised = report_.resynchronised || probe_.freed();
+  if (report_.battery_mv == 0) report_.battery_mv = probe_.battery_mv();
   return report_;
 }
 
@@ -227,7 +205,7 @@ BringUp::Step BringUp::greet() {
   // A robot that has just been switched on may take its time.
   const rt::TimePoint limit = toggles_ > 0 ? powered_at_ + kBootTime + kBootMargin : stream_.now();
   do {
-    if (probe(wanted_)) return from(wanted_);
+    if (probe_.answers(wanted_)) return from(wanted_);
   } while (!talk_.over() && stream_.now() < limit);
   // If the robot may be off, pulses would go unnoticed.
   const bool may_be_off = toggle_left();
@@ -242,7 +220,7 @@ bool BringUp::widths_good(const gpio::PlayReport& report) const {
 
 BringUp::Step BringUp::pulse() {
   ++pulse_tries_;
-  set_port(wanted_);
+  probe_.set_port(wanted_);
   const rt::TimePoint ready = powered_at_ + gpio::kBrcWaitAfterPowerOn;
   if (stream_.now() < ready) {
     tell("BRC wait", "until 2 s after power-on");
@@ -270,9 +248,9 @@ bool BringUp::verify_pulsed() {
       powered_at_ + (toggles_ > 0 ? kBootTime + kBootMargin : milliseconds{0}),
       stream_.now() + 2 * kFrameTimeout);
   while (!talk_.over() && stream_.now() < limit) {
-    if (probe(wanted_)) return true;
+    if (probe_.answers(wanted_)) return true;
   }
-  return !talk_.over() && probe_freed(wanted_);
+  return !talk_.over() && probe_.answers_freed(wanted_);
 }
 
 BringUp::Step BringUp::from(std::uint32_t baud) {
@@ -286,14 +264,15 @@ BringUp::Step BringUp::from(std::uint32_t baud) {
 BringUp::Step BringUp::search() {
   searched_ = true;
   for (const std::uint32_t baud : kLikelyRates) {
-    if (baud != wanted_ && probe(baud)) return from(baud);
+    if (baud != wanted_ && probe_.answers(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
   // Before freeing: freeing a robot at a likely rate sends hundreds of bytes to one at another
   // rate.
   for (const std::uint32_t baud : kOtherRates) {
-    if (spoke() || listened_) break;  // in vain: it boots or charges, or was searched for before
-    if (baud != wanted_ && probe(baud)) return from(baud);
+    if (probe_.heard_text() || listened_)
+      break;  // in vain: it boots or charges, or was searched for before
+    if (baud != wanted_ && probe_.answers(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
   return Step::search_deeper;
@@ -305,10 +284,10 @@ BringUp::Step BringUp::search_deeper() {
     if (baud != wanted_) rates.push_back(baud);
   }
   for (const std::uint32_t baud : rates) {
-    if (probe_freed(baud)) return from(baud);
+    if (probe_.answers_freed(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
-  set_port(wanted_);
+  probe_.set_port(wanted_);
   return listened_ ? Step::search_deepest : Step::listen;
 }
 
@@ -316,26 +295,21 @@ BringUp::Step BringUp::search_deeper() {
 BringUp::Step BringUp::search_deepest() {
   if (toggle_left()) return Step::power_on;
   for (const std::uint32_t baud : kOtherRates) {
-    if (spoke() || talk_.over()) break;
-    if (baud != wanted_ && baud >= kLeastFreedRate && probe_freed(baud)) return from(baud);
+    if (probe_.heard_text() || talk_.over()) break;
+    if (baud != wanted_ && baud >= kLeastFreedRate && probe_.answers_freed(baud)) return from(baud);
   }
-  set_port(wanted_);
+  probe_.set_port(wanted_);
   return give_up(BringUpTrouble::silent);
-}
-
-// It is off, booting or charging, and its text shows the rate.
-bool BringUp::spoke() const {
-  return std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_text(); });
 }
 
 BringUp::Step BringUp::listen() {
   listened_ = true;
   for (const std::uint32_t baud : {oi::kDefaultBaud, oi::kBrcBaud}) {
-    set_port(baud);
+    probe_.set_port(baud);
     stream_.discard_input();
     tell("listen", at_baud(baud));
     if (!talk_.pause(kListenTime)) return Step::failed;
-    note_silence(baud);
+    probe_.note_silence(baud);
   }
   return Step::greet;
 }
@@ -343,7 +317,7 @@ BringUp::Step BringUp::listen() {
 BringUp::Step BringUp::change_rate() {
   ++rate_tries_;
   const std::uint32_t former = report_.found_baud;
-  set_port(former);
+  probe_.set_port(former);
   tell("Baud", std::to_string(former) + " to " + std::to_string(wanted_));
   talk_.send(oi::Start{});
   talk_.pause(kModeChangeWait);
@@ -351,9 +325,9 @@ BringUp::Step BringUp::change_rate() {
   talk_.send(oi::Baud{oi::baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
   // A command that did not leave is not obeyed; the probe will show it.
   (void)stream_.drain(kSendTimeout + oi::wire_time(kChangeBytes, former));
-  set_port(wanted_);
+  probe_.set_port(wanted_);
   if (!talk_.pause(oi::kBaudChangeWait + kModeChangeWait)) return Step::failed;
-  if (probe(wanted_) || probe_freed(wanted_)) {
+  if (probe_.answers(wanted_) || probe_.answers_freed(wanted_)) {
     report_.rate_change = RateChange::command;
     return Step::take_mode;
   }
@@ -387,64 +361,6 @@ BringUp::Step BringUp::take_mode() {
   return give_up(last_.frames > 0 ? BringUpTrouble::wrong_mode : BringUpTrouble::stream_ended);
 }
 
-bool BringUp::probe(std::uint32_t baud) {
-  set_port(baud);
-  stream_.discard_input();
-  tell("Start", at_baud(baud));
-  talk_.send(oi::Start{});
-  talk_.pause(kModeChangeWait);
-  const bool answers =
-      stirs(baud) && (oi::fits(list_at(baud), baud) ? streams(baud) : replies(baud));
-  if (!answers) note_silence(baud);
-  return answers;
-}
-
-// A robot at another rate reads other bytes than those sent, and commands in some of them: half a
-// Script, a demo. It makes nothing of Start and this question, at any of its rates
-// (tests/hal/bring_up/wrong_rate_test.cpp), so nothing else is sent until something answers.
-bool BringUp::stirs(std::uint32_t baud) {
-  for (int i = 0; i < kMostTries; ++i) {
-    talk_.send(oi::Sensors{oi::PacketId::wall});
-    if (!talk_.reply(1, oi::wire_time(3, baud) + kReplyTime).empty()) return true;
-  }
-  return false;
-}
-
-bool BringUp::streams(std::uint32_t baud) {
-  tell("Stream", at_baud(baud));
-  talk_.send(oi::Stream{list_at(baud)});
-  last_ = talk_.listen(list_at(baud), oi::Mode::passive, kAnswerFrames, kFrameTimeout);
-  if (last_.battery_mv != 0) report_.battery_mv = last_.battery_mv;
-  return last_.in_mode >= kAnswerFrames;
-}
-
-bool BringUp::replies(std::uint32_t baud) {
-  tell("Query List", at_baud(baud));
-  talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
-  for (int i = 0; i < kAnswerFrames; ++i) {
-    talk_.send(oi::QueryList{kAskedList});
-    const std::vector<std::uint8_t> reply =
-        talk_.reply(kAskedList.size(), oi::wire_time(kAskedBytes, baud) + kReplyTime);
-    if (reply.size() < kAskedList.size() || reply.front() != kPassive || reply.back() != kPassive)
-      return false;
-  }
-  return true;
-}
-
-bool BringUp::probe_freed(std::uint32_t baud) {
-  set_port(baud);
-  tell("resynchronise", at_baud(baud));
-  talk_.resynchronise();
-  if (talk_.over() || !probe(baud)) return false;
-  report_.resynchronised = true;
-  return true;
-}
-
-void BringUp::set_port(std::uint32_t baud) {
-  if (stream_.baud() == baud) return;
-  (void)stream_.set_baud(baud);  // a port that cannot set it is silent at that rate
-}
-
 Failure BringUp::failure() {
   if (talk_.hung_up()) trouble_ = BringUpTrouble::hung_up;
   if (talk_.cancelled()) trouble_ = BringUpTrouble::cancelled;
@@ -452,30 +368,18 @@ Failure BringUp::failure() {
                      .step = step_,
                      .wanted_baud = wanted_,
                      .found_baud = report_.found_baud,
-                     .heard = heard_,
+                     .heard = probe_.heard(),
                      .wanted_mode = request_.mode,
                      .mode = last_.mode,
                      .charging = look(request_.pins.charging) == Level::high,
                      .pulses_played = report_.brc.count > 0,
                      .toggled = toggles_ > 0,
                      .pin_error = pin_error_};
-  if (trouble_ == BringUpTrouble::keeps_its_rate) set_port(report_.found_baud);
+  if (trouble_ == BringUpTrouble::keeps_its_rate) probe_.set_port(report_.found_baud);
   const Parting left = farewell(stream_);  // one failed call does not mean that the port is gone
   if (request_.left != nullptr) *request_.left = left;
-  set_port(wanted_);
+  probe_.set_port(wanted_);
   return explain(why);
-}
-
-Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
-  const auto* enough =
-      std::find_if(oi::kBaudRates.begin(), oi::kBaudRates.end(),
-                   [&packets](std::uint32_t rate) { return oi::fits(packets, rate); });
-  const std::string remedy = enough == oi::kBaudRates.end()
-                                 ? "stream fewer packets"
-                                 : "choose " + std::to_string(*enough) + " baud or more";
-  return {"frames of " + std::to_string(oi::frame_bytes(packets)) +
-          " bytes every 15 ms do not fit " + std::to_string(baud) + " baud, which carries " +
-          std::to_string(oi::bytes_per_tick(baud)) + " bytes in that time; " + remedy};
 }
 
 }  // namespace
@@ -486,15 +390,6 @@ Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request
     return too_long(request.packets, stream.baud());
   }
   return BringUp{stream, request}.run();
-}
-
-std::string_view name(RateChange change) {
-  switch (change) {
-    case RateChange::none: return "none";
-    case RateChange::brc: return "brc";
-    case RateChange::command: return "baud command";
-  }
-  return "";
 }
 
 }  // namespace cargobay::hal

@@ -70,6 +70,13 @@ struct BringUpReport {
 // heard, and what to check.
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
 
-std::string_view name(RateChange change);
+constexpr std::string_view name(RateChange change) {
+  switch (change) {
+    case RateChange::none: return "none";
+    case RateChange::brc: return "brc";
+    case RateChange::command: return "baud command";
+  }
+  return "";
+}
 
 }  // namespace cargobay::hal

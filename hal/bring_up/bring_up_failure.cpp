@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oi/baud.hpp"
+#include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -99,6 +100,18 @@ Failure explain(const BringUpFailure& why) {
                                    ? std::make_error_code(std::errc::operation_canceled)
                                    : why.pin_error;
   return {"bring-up failed" + step + ": " + text(why), code};
+}
+
+Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
+  const auto* enough =
+      std::find_if(oi::kBaudRates.begin(), oi::kBaudRates.end(),
+                   [&packets](std::uint32_t rate) { return oi::fits(packets, rate); });
+  const std::string remedy = enough == oi::kBaudRates.end()
+                                 ? "stream fewer packets"
+                                 : "choose " + std::to_string(*enough) + " baud or more";
+  return {"frames of " + std::to_string(oi::frame_bytes(packets)) +
+          " bytes every 15 ms do not fit " + std::to_string(baud) + " baud, which carries " +
+          std::to_string(oi::bytes_per_tick(baud)) + " bytes in that time; " + remedy};
 }
 
 }  // namespace cargobay::hal

@@ -10,6 +10,7 @@
 #include "hal/bring_up/dialogue.hpp"
 #include "hal/result.hpp"
 #include "oi/command_table.hpp"
+#include "oi/commands.hpp"
 
 namespace cargobay::hal {
 
@@ -46,5 +47,8 @@ struct BringUpFailure {
 
 // One line: the step, what was heard, what to check.
 Failure explain(const BringUpFailure& why);
+
+// That frames with these packets take longer than a tick at this rate, and what to do about it.
+Failure too_long(const oi::StreamList& packets, std::uint32_t baud);
 
 }  // namespace cargobay::hal

@@ -1,0 +1,70 @@
+// Asks at one rate whether the robot is there, without harm to one that listens at another.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hal/bring_up/bring_up_failure.hpp"
+#include "hal/bring_up/dialogue.hpp"
+#include "hal/stream/byte_stream.hpp"
+#include "oi/commands.hpp"
+
+namespace cargobay::hal {
+
+// A stream begins within a tick.
+inline constexpr std::chrono::milliseconds kFrameTimeout{300};
+
+std::string at_baud(std::uint32_t baud);  // "at 57600 baud"
+
+// Blocks as long as the questions take, and no longer than the dialogue may.
+class RateProbe {
+ public:
+  using Tell = std::function<void(std::string_view step, const std::string& detail)>;
+
+  // `stream` and `talk` outlive it. `packets`: the list to stream at the stream's present rate.
+  RateProbe(ByteStream& stream, Dialogue& talk, const oi::StreamList& packets, Tell tell)
+      : stream_{stream},
+        talk_{talk},
+        packets_{packets},
+        wanted_{stream.baud()},
+        tell_{std::move(tell)} {}
+
+  // Whether it answers at this rate: with a stream, or with replies if the rate cannot carry one.
+  bool answers(std::uint32_t baud);
+  // The same after completing whatever command it may have got the beginning of.
+  bool answers_freed(std::uint32_t baud);
+  void set_port(std::uint32_t baud);
+
+  // What was heard at each rate that did not answer.
+  const std::vector<HeardAt>& heard() const { return heard_; }
+  void note_silence(std::uint32_t baud);
+  // It is off, booting or charging, and its text shows the rate.
+  bool heard_text() const;
+  // It answered only after its command had been completed.
+  bool freed() const { return freed_; }
+  // As its answer said; 0 if it did not.
+  std::int32_t battery_mv() const { return battery_mv_; }
+
+ private:
+  bool stirs(std::uint32_t baud);
+  bool streams(std::uint32_t baud);
+  bool replies(std::uint32_t baud);
+  const oi::StreamList& list_at(std::uint32_t baud) const;
+
+  ByteStream& stream_;
+  Dialogue& talk_;
+  oi::StreamList packets_;
+  std::uint32_t wanted_;
+  Tell tell_;
+  std::vector<HeardAt> heard_{};
+  FramesHeard last_{};
+  bool freed_ = false;
+  std::int32_t battery_mv_ = 0;
+};
+
+}  // namespace cargobay::hal
