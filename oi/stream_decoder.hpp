@@ -87,6 +87,7 @@ class StreamDecoder {
     if (in_lane_) leave_lane();
     const Outcome outcome = advance();
     if (outcome != Outcome::nothing || begin_ == end_) return outcome;
+    gate_ = 0;  // what is held is read again
     return reject(counters_.abandoned);
   }
 

@@ -341,6 +341,18 @@ TEST(StreamDecoder, GivesUpAnOpenCandidateWhenTheLineIsQuiet) {
   EXPECT_THAT(feed(decoder, kLoopFrame), ElementsAre(kLoopFrame));
 }
 
+// A frame without another 19 in it, inside a candidate that has not failed yet.
+TEST(StreamDecoder, FindsTheOnlyFrameInsideACandidateThatItGivesUp) {
+  const Bytes frame{19, 13, 35, 0, 2, 0, 0, 0, 0, 0, 0, 7, 0, 34, 0, 146};
+  StreamDecoder decoder;
+  EXPECT_THAT(feed(decoder, Bytes{19, 40} + frame), IsEmpty());
+  EXPECT_EQ(decoder.abandon(), Outcome::corrupt);
+  EXPECT_EQ(decoder.abandon(), Outcome::frame);
+  EXPECT_EQ(Bytes(decoder.frame().begin(), decoder.frame().end()), frame);
+  EXPECT_EQ(decoder.abandon(), Outcome::nothing);
+  EXPECT_EQ(decoder.counters().skipped, 2U);
+}
+
 TEST(StreamDecoder, GivesUpHalfAFrameOfTheUsualLength) {
   StreamDecoder decoder{Checksum::including_header};
   (void)feed(decoder, kLoopFrame + Bytes(kLoopFrame.begin(), kLoopFrame.begin() + 6));
