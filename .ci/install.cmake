@@ -148,7 +148,7 @@ set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
 Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
 a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
 frame, estimates the wheel speeds and closes the velocity loop. A virtual
-Create, in real or virtual time, stands in for a robot.
+Create, in real or virtual time, replaces a robot.
 
 This package contains the shared library, and the guard process that stops the
 robot where the program that drives it dies or hangs.")
@@ -162,7 +162,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
 a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
 frame, estimates the wheel speeds and closes the velocity loop. A virtual
-Create, in real or virtual time, stands in for a robot.
+Create, in real or virtual time, replaces a robot.
 
 This package contains the headers for C and C++, the files for CMake and
 pkg-config, and examples.")
@@ -177,7 +177,7 @@ set(CPACK_COMPONENT_COMMAND_DESCRIPTION
 Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
 a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
 frame, estimates the wheel speeds and closes the velocity loop. A virtual
-Create, in real or virtual time, stands in for a robot.
+Create, in real or virtual time, replaces a robot.
 
 This package contains the command cargobay, which brings a robot up, drives,
 records and replays, measures timing and serves virtual robots; the Python

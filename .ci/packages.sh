@@ -77,7 +77,7 @@ apt() {
     -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" < /dev/null >> "$log" 2>&1 || {
     tail -n 25 "$log" >&2
     echo "apt-get $1 failed; wanted: ${missing[*]}" >&2
-    # Whatever else is installed later does not trip over an index that is not to be had.
+    # Whatever else is installed later does not trip over an index that is not available.
     local foreign
     for foreign in ${added[@]+"${added[@]}"}; do
       ${as_root[@]+"${as_root[@]}"} dpkg --remove-architecture "$foreign" || true

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Layout and names of the whole tree.
 # usage: tests/lint.sh [--format] [--tidy] [--alone] [--proof] [--fix] [FILE...]
-#   --format  clang-format, file names, shell syntax
+#   --format  clang-format, file names, phrases, shell syntax
 #   --tidy    clang-tidy on every source and every header (or on FILE...)
 #   --alone   the same with each source by itself: also finds a missing #include; takes half an hour
 #   --proof   proves with planted violations that both fire
@@ -19,6 +19,8 @@ sources() {
   find oi rt gpio hal tests examples -type f \
     \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) -print | sort
 }
+
+odd_phrases='[a-z]*manieth|(is|are) (not )?to be had|anew|tells? of|stands? in for|where there is none|roll on'
 
 need() {
   command -v "$1" > /dev/null && return
@@ -50,6 +52,13 @@ check_format() {
     echo "$file: a file is named in lower_case"
     failed=1
   done < <(sources | grep -vE '/[a-z0-9_]+\.(hpp|cpp|h|c)$' || true)
+  # The worst turns of phrase that this project had. The rest is for a reader.
+  if find oi rt gpio hal tests examples docs .ci README.md CHANGELOG.md -type f \
+    ! -path tests/lint.sh ! -path 'tests/lint/*' ! -path 'tests/abi/*' ! -path 'tests/fuzz/corpus/*' \
+    ! -name '*.svg' ! -name '*.pyc' -print | sort | xargs grep -nHwE "$odd_phrases"; then
+    echo "say it plainly"
+    failed=1
+  fi
   while read -r file; do
     bash -n "$file" || failed=1
     [[ -x $file ]] || { echo "$file: not executable"; failed=1; }

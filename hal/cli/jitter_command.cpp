@@ -334,7 +334,7 @@ void add_jitter(CLI::App& app, Action& chosen) {
   command->add_flag("--load", options->load, "Load all CPUs with stress-ng meanwhile");
   command->add_option(
       "--hold-every", options->hold_every,
-      "Hold back each so manieth frame of loop, echo and a virtual Create, to see it told");
+      "Hold back every Nth frame of loop, echo and a virtual Create, to see it reported");
   command->add_option("--hold", options->hold_ms, "Milliseconds that such a frame is held back")
       ->check(in_range(0.1, 1000.0))
       ->capture_default_str();

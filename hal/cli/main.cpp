@@ -34,7 +34,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "cargobay " CARGOBAY_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "`cargobay COMMAND --help` tells of each command. Without a robot, start with: cargobay "
+      "`cargobay COMMAND --help` explains each command. Without a robot, start with: cargobay "
       "drive");
   cli::Action chosen;
   cli::add_drive(app, chosen);

@@ -36,7 +36,7 @@ Failure refused(const rt::RealtimeGrant& grant) {
 
 constexpr const char* kGuardLost = "the guard process died or was suspended";
 constexpr const char* kGuardRemedy =
-    "find out who did that (dmesg tells of memory running out), then start again";
+    "find out who did that (dmesg reports memory running out), then start again";
 
 // A robot that was lifted also sees cliffs.
 std::string remedy(Hazards causes) {

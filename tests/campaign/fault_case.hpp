@@ -140,6 +140,8 @@ inline bool all_named_faults_are_in() {
       return tested.begin.starts_with(fault.name) || tested.end.starts_with(fault.name);
     });
   });
+}
+
 }  // namespace detail
 
 using detail::all_named_faults_are_in;

@@ -99,7 +99,7 @@ def of_cargobay(words):
 
 
 class Help:
-    """What --help tells of the command and its subcommands; each is asked once."""
+    """What --help says of the command and its subcommands; each is asked once."""
 
     def __init__(self, program):
         self.program = str(program)

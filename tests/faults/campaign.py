@@ -169,7 +169,7 @@ class Run:
         if self.exit_code != 0 and not re.search(r"\S+ \S+", program.err):
             say("it fails without a word")
         if self.exit_code == 0 and create.now().mode != "passive":
-            say(f"it tells of success, and the robot is {create.now()}")
+            say(f"it reports success, and the robot is {create.now()}")
 
 
 def worst(runs):

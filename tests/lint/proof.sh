@@ -182,6 +182,14 @@ if "$clang_format" --dry-run -Werror "$scratch/oi/layout.cpp" > /dev/null 2>&1; 
 fi
 "$clang_format" --dry-run -Werror "$scratch/oi/good.cpp" || fail "clang-format rejects the good file"
 
+# 6. So is each turn of phrase that is not to come back.
+eval "$(grep '^odd_phrases=' tests/lint.sh)"
+for sentence in 'the so manieth frame' 'it is not to be had' 'it begins anew' 'this tells of that' \
+  'it stands in for that' 'nothing where there is none' 'the wheels roll on'; do
+  grep -qwE "$odd_phrases" <<< "$sentence" || fail "lint.sh does not mind: $sentence"
+done
+! grep -qwE "$odd_phrases" <<< 'every Nth frame is reported again' || fail "lint.sh minds plain words"
+
 if ((failures)); then
   echo "$failures failures"
   exit 1

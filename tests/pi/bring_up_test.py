@@ -182,7 +182,7 @@ def is_stopped_by_its_guard(pi: EmulatedPi, robot: VirtualCreate) -> None:
 
 
 def says_what_is_wrong(pi: EmulatedPi, _robot: VirtualCreate) -> None:
-    print("lines that are not to be had")
+    print("lines that are not available")
     command = "cargobay bringup --port /dev/ttyAMA0 --baud 19200"
     line = f"--brc-chip {CHIP} --brc-line"
     base = f"$(($(grep -l {CHIP} /sys/class/gpio/*/label | tr -dc 0-9) + {BRC + 1}))"
