@@ -110,9 +110,9 @@ void dock(const Options& options, std::uint64_t seed, Docked& docked) {
   const bool docks = run.device().battery().charging();
   const double time_s = docks ? run.time_s() : kMostS;
   if (time_s > kSoonS) {
-    std::fprintf(stderr, "cover_and_dock, seed %llu: %s at %.0f s\n",
-                 static_cast<unsigned long long>(seed), docks ? "docks" : "not docked",
-                 run.time_s());
+    std::fprintf(stderr, "cover_and_dock, seed %llu%s: %s at %.0f s, base in sight from %.0f s\n",
+                 static_cast<unsigned long long>(seed), way == Way::around ? " (around)" : "",
+                 docks ? "docks" : "not docked", run.time_s(), first_seen_s);
   }
   if (way == Way::around) {
     ++docked.around;
