@@ -43,7 +43,7 @@ void Demos::start(std::int32_t number, const View& view) {
   yields_ = false;
   evasion_.stop();
   cover_.start(view);
-  docking_.stop();
+  docking_.reset(view);
   homing_.start(view);
   begin(view);
 }
@@ -94,6 +94,7 @@ bool Demos::evade(const View& view, Action& action) {
 Demos::Action Demos::cover(const View& view, bool docks) {
   const Inputs& seen = *view.seen;
   if (seen.home_base || seen.charger) return {.over = true};
+  if (docks) docking_.watch(view);
   const bool again = view.now >= docks_again_at_ || (gave_up_ < 3 && sees_both_buoys(seen));
   if (docks && !docking_.active() && sees_home_base(seen) && again) {
     docking_.start(view);
