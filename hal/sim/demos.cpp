@@ -185,12 +185,18 @@ Demos::Action Demos::wimp(const View& view) {
   return action;
 }
 
-// Home stops where it meets something, Tag turns around and looks for the next wall.
+// Home stops where it meets something (OI p. 8: "the wall or another obstacle"), Tag turns around
+// and looks for the next wall. A wall is straight ahead: what Tag meets with one side is something
+// else, and it goes past that.
 Demos::Action Demos::home(const View& view, bool goes_on) {
   const Inputs& seen = *view.seen;
   if (homing_.on_its_way() && (bumped(seen) || seen.any_cliff())) {
     if (!goes_on) return {.over = true};
-    homing_.turn_around(view);
+    if (bumped_both(seen)) {
+      homing_.turn_around(view);
+    } else {
+      homing_.go_past(view);
+    }
   }
   return {.wheels = homing_.step(view)};
 }
