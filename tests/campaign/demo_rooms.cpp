@@ -110,9 +110,9 @@ void dock(const Options& options, std::uint64_t seed, Docked& docked) {
   const bool docks = run.device().battery().charging();
   const double time_s = docks ? run.time_s() : kMostS;
   if (time_s > kSoonS) {
-    std::fprintf(stderr, "cover_and_dock, seed %llu: %s at %.0f s\n",
-                 static_cast<unsigned long long>(seed), docks ? "docks" : "not docked",
-                 run.time_s());
+    std::fprintf(stderr, "cover_and_dock, seed %llu%s: %s at %.0f s, base in sight from %.0f s\n",
+                 static_cast<unsigned long long>(seed), way == Way::around ? " (around)" : "",
+                 docks ? "docks" : "not docked", run.time_s(), first_seen_s);
   }
   if (way == Way::around) {
     ++docked.around;
@@ -140,8 +140,14 @@ void print_docked(const Docked& docked) {
               percent(within(docked.from_sight_s, 120.0)));
   std::printf("; of the %zu that see it from the start, within 3 min: %.1f %%",
               docked.in_sight_s.size(), percent(within(docked.in_sight_s, kSoonS)));
-  std::printf("; in %zu more rooms something stands in front of the base: %.1f %% within 3 min |\n",
+  std::printf("; in %zu more rooms something stands in front of the base: %.1f %% within 3 min",
               docked.around, percent(share(docked.around_soon, docked.around)));
+  const auto soon =
+      static_cast<std::size_t>(std::count_if(docked.times_s.begin(), docked.times_s.end(),
+                                             [](double time_s) { return time_s <= kSoonS; }));
+  const std::size_t any_path = reachable + docked.around;
+  std::printf("; of these %zu together, %.1f %% |\n", any_path,
+              percent(share(soon + docked.around_soon, any_path)));
 }
 
 void run_docking(const Options& options, Promises& promises) {

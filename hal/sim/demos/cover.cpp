@@ -17,7 +17,8 @@ constexpr double kSpiralAfterMm = 900.0;  // a leg so long is in the open
 constexpr double kSpiralFromMm = 150.0;
 constexpr double kSpiralMmPerDeg = 0.55;  // 200 mm a turn: a bit more than half a robot
 constexpr double kSpiralMostMm = 700.0;
-constexpr double kShortestWallMm = 6000.0;
+constexpr std::uint32_t kSpiralsAfterWall = 1000;  // none before the first wall
+constexpr double kShortestWallMm = 14000.0;
 constexpr double kLongerWallMm = 12000.0;  // up to so much more
 
 }  // namespace
@@ -26,7 +27,8 @@ void Cover::start(const DemoView& view) {
   way_ = Way::bounce;
   evasion_.stop();
   legs_ = 0;
-  legs_before_wall_ = kLegsBeforeWall;
+  legs_before_wall_ = 1;
+  spirals_ = kSpiralsAfterWall;
   begin_leg(view);
 }
 

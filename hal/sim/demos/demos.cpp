@@ -43,7 +43,7 @@ void Demos::start(std::int32_t number, const View& view) {
   yields_ = false;
   evasion_.stop();
   cover_.start(view);
-  docking_.stop();
+  docking_.reset(view);
   homing_.start(view);
   begin(view);
 }
@@ -94,6 +94,7 @@ bool Demos::evade(const View& view, Action& action) {
 Demos::Action Demos::cover(const View& view, bool docks) {
   const Inputs& seen = *view.seen;
   if (seen.home_base || seen.charger) return {.over = true};
+  if (docks) docking_.watch(view);
   const bool again = view.now >= docks_again_at_ || (gave_up_ < 3 && sees_both_buoys(seen));
   if (docks && !docking_.active() && sees_home_base(seen) && again) {
     docking_.start(view);
@@ -184,12 +185,18 @@ Demos::Action Demos::wimp(const View& view) {
   return action;
 }
 
-// Home stops where it meets something, Tag turns around and looks for the next wall.
+// Home stops where it meets something (OI p. 8: "the wall or another obstacle"), Tag turns around
+// and looks for the next wall. A wall is straight ahead: what Tag meets with one side is something
+// else, and it goes past that.
 Demos::Action Demos::home(const View& view, bool goes_on) {
   const Inputs& seen = *view.seen;
   if (homing_.on_its_way() && (bumped(seen) || seen.any_cliff())) {
     if (!goes_on) return {.over = true};
-    homing_.turn_around(view);
+    if (bumped_both(seen)) {
+      homing_.turn_around(view);
+    } else {
+      homing_.go_past(view);
+    }
   }
   return {.wheels = homing_.step(view)};
 }

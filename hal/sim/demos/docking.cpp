@@ -8,10 +8,7 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr std::uint8_t kRed = 0b1000;  // of the infrared byte
-constexpr std::uint8_t kGreen = 0b100;
-constexpr std::uint8_t kBoth = kRed | kGreen;
-constexpr std::uint8_t kField = 0b10;
+constexpr std::uint8_t kBoth = kRedLight | kGreenLight;
 
 constexpr double kFarMmPerSec = 230.0;
 constexpr double kNearMmPerSec = 100.0;   // in the force field
@@ -31,24 +28,36 @@ constexpr double kLongLegMm = 2500.0;
 constexpr double kAsideDeg = 60.0;    // by so much beside the middle of the light
 constexpr double kUnseenMm = 1200.0;  // it gives up after so long a way without a signal
 constexpr std::uint32_t kMostMet = 10;
+constexpr double kInFrontMm = 600.0;  // where it turns into the way in
+constexpr double kTooNearMm = 250.0;  // no room to get to the way in
 constexpr rt::Duration kLongest = std::chrono::seconds{90};
 constexpr rt::Duration kLongestUnknown = std::chrono::seconds{30};
 
 std::uint8_t light(const Inputs& seen) {
-  return sees_home_base(seen) ? static_cast<std::uint8_t>(seen.infrared & (kBoth | kField))
+  return sees_home_base(seen) ? static_cast<std::uint8_t>(seen.infrared & (kBoth | kFieldLight))
                               : std::uint8_t{0};
 }
-bool in_field(const Inputs& seen) { return (light(seen) & kField) != 0; }
+bool in_field(const Inputs& seen) { return (light(seen) & kFieldLight) != 0; }
 
 }  // namespace
+
+void Docking::reset(const DemoView& view) {
+  active_ = false;
+  belief_.forget();
+  last_travelled_mm_ = view.travelled_mm;
+  last_turned_deg_ = view.turned_deg;
+}
+
+void Docking::watch(const DemoView& view) {
+  reckon(view);
+  belief_.see(x_mm_, y_mm_, light(*view.seen));
+}
 
 void Docking::start(const DemoView& view) {
   active_ = true;
   evasion_.stop();
   started_at_ = view.now;
   met_ = 0;
-  last_travelled_mm_ = view.travelled_mm;
-  last_turned_deg_ = view.turned_deg;
   buoys_ = 0;
   last_colour_ = 0;
   seen_mm_ = way_mm_;
@@ -95,7 +104,7 @@ void Docking::look(const DemoView& view) {
   }
   buoys_since_mm_ = way_mm_;
   buoys_ = buoys;
-  if (buoys == kRed || buoys == kGreen) last_colour_ = buoys;
+  if (buoys == kRedLight || buoys == kGreenLight) last_colour_ = buoys;
 }
 
 void Docking::cross(std::uint8_t from, std::uint8_t to) {
@@ -105,7 +114,7 @@ void Docking::cross(std::uint8_t from, std::uint8_t to) {
   circles_ = from == kBoth;
   // Green's light ends on the red side of the middle.
   const std::uint8_t alone = from == kBoth ? to : from;
-  Edge& edge = edges_[alone == kRed ? 0 : 1];
+  Edge& edge = edges_[alone == kRedLight ? 0 : 1];
   if (!edge.known) {
     edge = {.known = true, .x_mm = x_mm_, .y_mm = y_mm_};
     return;
@@ -115,7 +124,7 @@ void Docking::cross(std::uint8_t from, std::uint8_t to) {
   if (std::hypot(along_x_mm, along_y_mm) < kBaselineMm) return;
   double direction_deg = std::atan2(along_y_mm, along_x_mm) * 180.0 / std::numbers::pi;
   // Toward the base red is on the right: what leads out of it leads to the left.
-  const bool leftward = (alone == kRed) == (to == kBoth);
+  const bool leftward = (alone == kRedLight) == (to == kBoth);
   const double across = std::sin(radians(last_turned_deg_ - direction_deg));
   if ((across > 0.0) != leftward) direction_deg += 180.0;
   heading_deg_ = last_turned_deg_ + std::remainder(direction_deg - last_turned_deg_, 360.0);
@@ -129,7 +138,6 @@ bool Docking::hopeless(const DemoView& view) const {
 }
 
 WheelSpeeds Docking::step(const DemoView& view) {
-  reckon(view);
   look(view);
   if (hopeless(view)) {
     active_ = false;
@@ -142,7 +150,37 @@ WheelSpeeds Docking::step(const DemoView& view) {
   const Inputs& seen = *view.seen;
   if (bumped(seen) || seen.any_cliff()) return meet(view);
   if (way_mm_ < leg_end_mm_) return leg(view);
+  if (!heading_known_) {
+    const auto base = belief_.estimate();
+    if (base && !take_way_in(view, *base)) return to_way_in(view, *base);
+  }
   return heading_known_ ? approach(view) : circle(view);
+}
+
+// From here it can steer onto the way in before it is at the base.
+bool Docking::take_way_in(const DemoView& view, const BaseBelief::Place& base) {
+  const double x_mm = x_mm_ - base.x_mm;
+  const double y_mm = y_mm_ - base.y_mm;
+  const double c = std::cos(base.heading_rad);
+  const double s = std::sin(base.heading_rad);
+  const double ahead_mm = c * x_mm + s * y_mm;
+  const double aside_mm = std::abs(c * y_mm - s * x_mm);
+  if (aside_mm > 0.5 * (ahead_mm - kTooNearMm)) return false;
+  const double in_deg = (base.heading_rad / std::numbers::pi + 1.0) * 180.0;
+  heading_deg_ = view.turned_deg + std::remainder(in_deg - view.turned_deg, 360.0);
+  heading_known_ = true;
+  line_ = {.known = true, .x_mm = base.x_mm, .y_mm = base.y_mm};
+  buoys_since_mm_ = way_mm_;
+  return true;
+}
+
+WheelSpeeds Docking::to_way_in(const DemoView& view, const BaseBelief::Place& base) {
+  const double x_mm = base.x_mm + kInFrontMm * std::cos(base.heading_rad) - x_mm_;
+  const double y_mm = base.y_mm + kInFrontMm * std::sin(base.heading_rad) - y_mm_;
+  const double way_deg = std::atan2(y_mm, x_mm) * 180.0 / std::numbers::pi;
+  const double left_deg = std::remainder(way_deg - view.turned_deg, 360.0);
+  if (std::abs(left_deg) > kPivotDeg) return evade(view, 0.0, left_deg, 0.0);
+  return steer(kFarMmPerSec, left_deg);
 }
 
 WheelSpeeds Docking::evade(const DemoView& view, double back_mm, double turn_deg, double leg_mm) {
@@ -173,8 +211,8 @@ WheelSpeeds Docking::meet(const DemoView& view) {
 WheelSpeeds Docking::leg(const DemoView& view) {
   constexpr double kOutMm = 60.0;
   if (way_mm_ - std::max(seen_mm_, back_mm_) > kOutMm) return go_back(view);
-  if (buoys_ == kRed) return arc(kFarMmPerSec, kLegMm);
-  if (buoys_ == kGreen) return arc(kFarMmPerSec, -kLegMm);
+  if (buoys_ == kRedLight) return arc(kFarMmPerSec, kLegMm);
+  if (buoys_ == kGreenLight) return arc(kFarMmPerSec, -kLegMm);
   return steer(kFarMmPerSec, leg_deg_ - view.turned_deg);
 }
 
@@ -224,9 +262,9 @@ WheelSpeeds Docking::approach(const DemoView& view) {
 // comes back to the same edge on a circle.
 WheelSpeeds Docking::circle(const DemoView& view) {
   const double speed_mm_s = in_field(*view.seen) ? kNearMmPerSec : kFarMmPerSec;
-  if (buoys_ == kBoth) return arc(speed_mm_s, last_colour_ == kRed ? -kMiddleMm : kMiddleMm);
+  if (buoys_ == kBoth) return arc(speed_mm_s, last_colour_ == kRedLight ? -kMiddleMm : kMiddleMm);
   const bool circles = circles_ && std::abs(view.turned_deg - buoys_since_deg_) < kCircledDeg;
-  if (circles) return arc(speed_mm_s, last_colour_ == kRed ? kCircleMm : -kCircleMm);
+  if (circles) return arc(speed_mm_s, last_colour_ == kRedLight ? kCircleMm : -kCircleMm);
   circles_ = false;
   if (way_mm_ >= leg_end_mm_) leg_end_mm_ = way_mm_ + kLongLegMm;
   leg_deg_ = view.turned_deg;

@@ -3,12 +3,14 @@
 //
 // The receiver sees all around and tells no direction. But a buoy's light ends along a straight
 // line that leads to the base. Two places on one of these lines, by the robot's own reckoning, tell
-// which way it runs; and which buoy is on which side of it, which end of it is the base.
+// which way it runs; and which buoy is on which side of it, which end of it is the base. Where it
+// has not met such a line twice, all that it has seen so far tells where the base is (BaseBelief).
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "hal/sim/demos/base_belief.hpp"
 #include "hal/sim/demos/demo_view.hpp"
 #include "hal/sim/random.hpp"
 
@@ -16,9 +18,12 @@ namespace cargobay::hal::sim {
 
 class Docking {
  public:
+  // A demo begins: it has seen nothing.
+  void reset(const DemoView& view);
+  // At each tick, docking or not: where it is, and what it sees there.
+  void watch(const DemoView& view);
   // Where it sees something of a base.
   void start(const DemoView& view);
-  void stop() { active_ = false; }
   bool active() const { return active_; }
   // Not active any longer if it gave up.
   WheelSpeeds step(const DemoView& view);
@@ -49,6 +54,8 @@ class Docking {
   void cross(std::uint8_t from, std::uint8_t to);
   void forget();
   double beside_line_mm() const;
+  bool take_way_in(const DemoView& view, const BaseBelief::Place& base);
+  WheelSpeeds to_way_in(const DemoView& view, const BaseBelief::Place& base);
   WheelSpeeds approach(const DemoView& view);
   WheelSpeeds circle(const DemoView& view);
   WheelSpeeds leg(const DemoView& view);
@@ -61,6 +68,7 @@ class Docking {
   static constexpr std::uint64_t kSeed = 0x646f636b;
 
   bool active_ = false;
+  BaseBelief belief_{};
   Evasion evasion_{};
   Random random_{kSeed};
   rt::Duration started_at_{0};

@@ -1,6 +1,7 @@
 #include "hal/sim/demos/homing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace cargobay::hal::sim {
@@ -14,13 +15,22 @@ constexpr double kAroundDeg = 75.0;  // it goes on turning from there
 constexpr double kFullTurnDeg = 400.0;
 constexpr double kMostTurnDeg = 800.0;  // to see where a wall comes into sight and where it leaves
 constexpr double kStepOnMm = 250.0;
-constexpr double kIntoBeamMm = 60.0;  // past its edge
-constexpr double kMostUnseenMm = 150.0;
-constexpr double kSameWallDeg = 50.0;   // so near to where it bumped it is the same wall again
-constexpr double kBackDegPerMm = 0.25;  // how it steers back to its line
+constexpr double kIntoBeamMm = 60.0;     // past its edge
+constexpr double kMostUnseenMm = 500.0;  // along the edge of a beam it is now and then outside
+constexpr double kSameWallDeg = 50.0;    // so near to where it bumped it is the same wall again
+constexpr double kBackDegPerMm = 0.25;   // how it steers back to its line
 constexpr double kMostBackDeg = 20.0;
-constexpr double kTagAsideMm = 400.0;
 constexpr double kTagAsideDeg = 80.0;
+constexpr double kPastObstacleDeg = 65.0;
+constexpr double kPastObstacleMm = 350.0;
+
+// Around what it met, to behind it: by headings from the one it met it at.
+struct Leg {
+  double aside_deg = 0.0;
+  double long_mm = 0.0;
+};
+constexpr std::array<Leg, 3> kAroundIt{
+    {{kTagAsideDeg, 350.0}, {0.0, 750.0}, {-kTagAsideDeg, 350.0}}};
 
 }  // namespace
 
@@ -28,6 +38,8 @@ void Homing::start(const DemoView& view) {
   evasion_.stop();
   searches_ = false;
   turns_around_ = false;
+  legs_ = 0;
+  went_past_ = false;
   side_ = 1.0;
   ever_saw_ = false;
   last_travelled_mm_ = view.travelled_mm;
@@ -52,9 +64,30 @@ void Homing::reckon(const DemoView& view) {
 void Homing::turn_around(const DemoView& view) {
   side_ = -side_;
   turns_around_ = true;
+  went_around_ = false;
+  went_past_ = false;
+  legs_ = 0;
   bumped_deg_ = view.turned_deg;
   evasion_.start(view, kTagBackMm, side_ * kAroundDeg);
   spin_from_here(view);
+}
+
+void Homing::go_past(const DemoView& view) {
+  // Once more at the same: then it is in its way whatever side it passes.
+  if (went_past_ && std::abs(std::remainder(view.turned_deg - past_deg_, 360.0)) < kSameWallDeg) {
+    turn_around(view);
+    return;
+  }
+  went_past_ = true;
+  past_deg_ = view.turned_deg;
+  const bool left = met_on_the_left(*view.seen);
+  const double turn_deg = left ? -kPastObstacleDeg : kPastObstacleDeg;
+  drive_toward(view, view.turned_deg + turn_deg);
+  evasion_.start(view, kTagBackMm, turn_deg);
+  most_unseen_mm_ = kPastObstacleMm;
+  searches_ = true;
+  turns_around_ = false;
+  side_ = left ? 1.0 : -1.0;  // to where it was heading
 }
 
 void Homing::spin_from_here(const DemoView& view) {
@@ -91,6 +124,8 @@ WheelSpeeds Homing::step(const DemoView& view) {
   const bool met = bumped(*view.seen) || view.seen->any_cliff();
   if (met && searches_ && !evasion_.active()) {
     searches_ = false;
+    if (legs_ > 0) turns_around_ = false;
+    legs_ = 0;
     evade(view);
   }
   if (evasion_.active()) {
@@ -126,16 +161,22 @@ WheelSpeeds Homing::spin(const DemoView& view) {
   return turn_left(side_ * kSpinMmPerSec);
 }
 
-// Back to where it saw a wall last, or on to elsewhere; from behind a wall that hides the next one,
-// to its side.
+void Homing::next_leg(const DemoView& view) {
+  const Leg& leg = kAroundIt[legs_++];
+  drive_toward(view, bumped_deg_ + side_ * leg.aside_deg);
+  most_unseen_mm_ = leg.long_mm;
+  searches_ = true;
+}
+
+// Back to where it saw a wall last, or on to elsewhere. The next wall may be beyond the one it
+// bumped into.
 void Homing::search_elsewhere(const DemoView& view) {
-  if (turns_around_) {
-    drive_toward(view, bumped_deg_ + side_ * kTagAsideDeg);
-    most_unseen_mm_ = kTagAsideMm;
-    searches_ = true;
-    turns_around_ = false;
+  if (turns_around_ && !went_around_) {
+    went_around_ = true;
+    next_leg(view);
     return;
   }
+  turns_around_ = false;
   const double way_deg =
       ever_saw_ ? std::atan2(-y_mm_, -x_mm_) * 180.0 / std::numbers::pi : view.turned_deg;
   drive_toward(view, way_deg);
@@ -148,7 +189,7 @@ WheelSpeeds Homing::drive(const DemoView& view) {
   if (view.seen->virtual_wall && !searches_) unseen_mm_ = view.travelled_mm;
   const double gone_mm = view.travelled_mm - unseen_mm_;
   // It spins a little farther into the beam.
-  if (view.seen->virtual_wall && searches_ && !found_) {
+  if (view.seen->virtual_wall && searches_ && legs_ == 0 && !found_) {
     found_ = true;
     most_unseen_mm_ = gone_mm + kIntoBeamMm;
   }
@@ -156,6 +197,12 @@ WheelSpeeds Homing::drive(const DemoView& view) {
     const double inward_deg = std::clamp(-kBackDegPerMm * beside_mm_, -kMostBackDeg, kMostBackDeg);
     return steer(kHomingMmPerSec, heading_deg_ + inward_deg - view.turned_deg);
   }
+  if (legs_ > 0 && legs_ < kAroundIt.size()) {
+    next_leg(view);
+    return {};
+  }
+  if (legs_ > 0) bumped_deg_ += 180.0;  // it has the last one at its back
+  legs_ = 0;
   spin_from_here(view);
   return spin(view);
 }

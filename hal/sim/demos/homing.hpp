@@ -3,6 +3,7 @@
 // left it again: it is in the middle between these two headings, and the robot drives there.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "hal/sim/demos/demo_view.hpp"
@@ -14,6 +15,8 @@ class Homing {
   void start(const DemoView& view);
   // Looks for the next wall, behind it.
   void turn_around(const DemoView& view);
+  // Past what it met with one side, and once more from there.
+  void go_past(const DemoView& view);
   WheelSpeeds step(const DemoView& view);
   // It has seen a wall and is on its way there.
   bool on_its_way() const { return phase_ == Phase::drive && !searches_ && !evasion_.active(); }
@@ -26,6 +29,7 @@ class Homing {
   void drive_toward(const DemoView& view, double heading_deg);
   WheelSpeeds spin(const DemoView& view);
   WheelSpeeds drive(const DemoView& view);
+  void next_leg(const DemoView& view);
   void search_elsewhere(const DemoView& view);
   void evade(const DemoView& view);
   bool is_the_last(double heading_deg) const;
@@ -46,6 +50,10 @@ class Homing {
   double beside_mm_ = 0.0;       // to the left of its way
   bool turns_around_ = false;    // it has bumped into a wall at that heading
   double bumped_deg_ = 0.0;
+  bool went_around_ = false;  // that wall, and saw no other before
+  std::size_t legs_ = 0;      // of the way around it, begun
+  bool went_past_ = false;    // what it met with one side at that heading
+  double past_deg_ = 0.0;
   // By its own reckoning, from where it saw a wall last: so far, and there it is.
   bool ever_saw_ = false;
   double x_mm_ = 0.0;

@@ -14,6 +14,7 @@ constexpr double kPastCornerMm = 50.0;  // the sensor is ahead of the wheels
 constexpr double kAroundCornerMm = 230.0;
 // On a narrower arc the wheel passes inside of the cliff sensor that is ahead of it.
 constexpr double kAroundCliffMm = 450.0;
+constexpr double kAroundBeamMm = 800.0;  // along its edge, in few long bites
 constexpr double kWallLostDeg = 400.0;
 constexpr double kReleaseMm = 10.0;
 constexpr double kFollowBackMm = 60.0;
@@ -30,7 +31,7 @@ void WallFollower::start(const DemoView& view) {
 
 void WallFollower::meet(const DemoView& view) {
   const Inputs& seen = *view.seen;
-  around_mm_ = seen.any_cliff() ? kAroundCliffMm : kAroundCornerMm;
+  around_mm_ = seen.any_cliff() ? kAroundCliffMm : bumped(seen) ? kAroundCornerMm : kAroundBeamMm;
   if (seen.any_cliff() || !bumped(seen)) {
     evasion_.start(view, kFollowBackMm, 45.0);
   } else {

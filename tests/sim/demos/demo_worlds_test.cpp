@@ -191,6 +191,17 @@ TEST(DemoWorlds, HomeDrivesToTheVirtualWallAndStops) {
   }
 }
 
+// Where it is in and out of the light all the way.
+TEST(DemoWorlds, HomeDrivesAlongTheEdgeOfABeam) {
+  const World world = world_with("virtual-wall 1500 45 90\n");
+  for (const double x_mm : {1250.0, 1750.0}) {
+    Living robot{world, at(x_mm, 1545, 0), 6, kTapedDeg};
+    const auto over = [&] { return !robot.device.demos().running(); };
+    EXPECT_LT(robot.until(over, 60.0), 60.0) << x_mm;
+    EXPECT_LT(robot.away_mm(1500, 45), 215.0) << x_mm;
+  }
+}
+
 TEST(DemoWorlds, HomeStopsAtAnotherObstacle) {
   const World world = world_with("virtual-wall 1500 45 90\npost 1500 700 30\n");
   Living robot{world, at(1400, 1500, 0), 6, kTapedDeg};
@@ -213,6 +224,19 @@ TEST(DemoWorlds, TagGoesFromOneVirtualWallToTheNext) {
     next_mm = next_mm == 500 ? 2300 : 500;
   }
   EXPECT_TRUE(robot.device.demos().running());
+}
+
+// From behind one of them, which is in the way to the other.
+TEST(DemoWorlds, TagGoesAroundAVirtualWallToTheNextOneBeyond) {
+  const World world = world_with("virtual-wall 1500 45 90\nvirtual-wall 1500 1200 270\n");
+  for (const double x_mm : {1400.0, 1500.0, 1600.0}) {
+    Living robot{world, at(x_mm, 1900, 0), 7, kTapedDeg};
+    const auto touches = [&](double y_mm) {
+      return [&robot, y_mm] { return robot.away_mm(1500, y_mm) < 215.0; };
+    };
+    EXPECT_LT(robot.until(touches(1200), 60.0), 60.0) << x_mm;
+    EXPECT_LT(robot.until(touches(45), 120.0), 120.0) << x_mm;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,65 @@
+// Where a Home Base may stand, by all that the robot has seen of it and by where it was then:
+// places and headings that agree with what it remembers, in a frame of its own reckoning.
+//
+// A place is as good as the light that a base there would throw onto each sighting. What is seen
+// without a buoy tells as much as what is seen with one: then nothing hides the base. Where it sees
+// nothing at all, furniture may hide it, and that tells little.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "hal/sim/random.hpp"
+
+namespace cargobay::hal::sim {
+
+// Bits of the infrared byte of a Home Base.
+inline constexpr std::uint8_t kRedLight = 0b1000;
+inline constexpr std::uint8_t kGreenLight = 0b100;
+inline constexpr std::uint8_t kFieldLight = 0b10;
+
+class BaseBelief {
+ public:
+  struct Place {
+    double x_mm = 0.0;
+    double y_mm = 0.0;
+    double heading_rad = 0.0;  // the way it faces
+  };
+
+  void forget() { *this = {}; }
+  // Light, or none, where the robot is now. Nothing is remembered before the first light.
+  void see(double x_mm, double y_mm, std::uint8_t light);
+  // Nothing while places far from each other agree with it as well.
+  std::optional<Place> estimate() const;
+
+ private:
+  struct Sighting {
+    double x_mm = 0.0;
+    double y_mm = 0.0;
+    std::uint8_t light = 0;
+  };
+  struct Guess {
+    Place place{};
+    double cost = 0.0;  // 0 if all that it saw agrees
+  };
+
+  static constexpr std::size_t kGuesses = 160;
+  static constexpr std::size_t kSightings = 96;
+  static constexpr std::uint64_t kSeed = 0x62617365;
+
+  static double cost(const Place& place, const Sighting& sighting);
+  double cost(const Place& place) const;
+  void remember(const Sighting& sighting);
+  void guess_around(const Sighting& sighting);
+  void improve();
+  double either_way(double most) { return most * (2.0 * random_.uniform() - 1.0); }
+
+  std::array<Sighting, kSightings> sightings_{};  // the latest ones, in no order
+  std::size_t seen_ = 0;                          // ever
+  std::array<Guess, kGuesses> guesses_{};
+  Random random_{kSeed};
+};
+
+}  // namespace cargobay::hal::sim
