@@ -1,5 +1,6 @@
 #include "hal/config/config.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -7,7 +8,9 @@
 #include <limits>
 #include <span>
 #include <sstream>
+#include <variant>
 
+#include "hal/config/setting_table.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/file/read_input.hpp"
 #include "oi/baud.hpp"
@@ -40,11 +43,10 @@ class Reader {
   Key table(std::string_view name, const std::function<std::vector<Key>()>& keys);
 
   std::vector<Key> root_keys();
+  std::vector<Key> keys_of(std::string_view table);
   std::vector<Key> pins_keys();
   static std::vector<Key> output_keys(PinSetting& pin);
   static std::vector<Key> input_keys(PinSetting& pin);
-  std::vector<Key> robot_keys();
-  std::vector<Key> realtime_keys();
 
   const std::string& file_;
   Config& config_;
@@ -69,27 +71,58 @@ Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
           }};
 }
 
-// `unit` also says what the value is not in.
-Key number_key(std::string_view name, Range range, std::string_view unit,
-               std::optional<double>& target) {
-  return {name, [range, unit, &target](const toml::node& node) -> Complaint {
-            const std::optional<double> number = node.value<double>();
-            if (!number || !range.contains(*number))
-              return "is a number from " + range.words() + ", " + std::string{unit};
-            target = number;
-            return std::nullopt;
-          }};
-}
+// Takes the value of a setting, by the type of its member.
+struct TakeSetting {
+  const Setting& setting;
+  const toml::node& node;
+  Config& config;
 
-Key whole_key(std::string_view name, Range range, std::optional<int>& target) {
-  return {name, [range, &target](const toml::node& node) -> Complaint {
-            const auto* number = node.as_integer();
-            if (number == nullptr || !range.contains(static_cast<double>(number->get())))
-              return "is a whole number from " + range.words();
-            target = static_cast<int>(number->get());
-            return std::nullopt;
-          }};
-}
+  Complaint operator()(std::string Config::* member) const {
+    const auto* text = node.as_string();
+    if (text == nullptr) return "is a text in quotes";
+    config.*member = text->get();
+    return std::nullopt;
+  }
+  Complaint operator()(std::optional<std::uint32_t> Config::* member) const {
+    const auto* number = node.as_integer();
+    const bool fits = number != nullptr && number->get() >= 0 &&
+                      number->get() <= std::numeric_limits<std::int32_t>::max();
+    const auto baud = fits ? static_cast<std::uint32_t>(number->get()) : 0U;
+    if (!oi::baud_code(baud)) return "is a rate of the robot's, such as 57600 or 19200";
+    config.*member = baud;
+    return std::nullopt;
+  }
+  Complaint operator()(std::optional<double> Config::* member) const {
+    const std::optional<double> number = node.value<double>();
+    const Range range = setting.range.value_or(Range{});
+    if (!number || !range.contains(*number)) {
+      const std::string unit = setting.unit.empty() ? "" : "in " + std::string{setting.unit} + ", ";
+      return "is a number from " + range.words() + ", " + unit + std::string{setting.not_unit};
+    }
+    config.*member = number;
+    return std::nullopt;
+  }
+  Complaint operator()(std::optional<int> Config::* member) const {
+    const auto* number = node.as_integer();
+    const Range range = setting.range.value_or(Range{});
+    if (number == nullptr || !range.contains(static_cast<double>(number->get())))
+      return "is a whole number from " + range.words();
+    config.*member = static_cast<int>(number->get());
+    return std::nullopt;
+  }
+  Complaint operator()(std::optional<rt::Remainder> Config::* member) const {
+    const std::string text = node.value<std::string>().value_or("");
+    if (text != "carried" && text != "lost") return "is \"carried\" or \"lost\"";
+    config.*member = text == "lost" ? rt::Remainder::lost : rt::Remainder::carried;
+    return std::nullopt;
+  }
+  Complaint operator()(bool Config::* member) const {
+    const auto* flag = node.as_boolean();
+    if (flag == nullptr) return "is true or false";
+    config.*member = flag->get();
+    return std::nullopt;
+  }
+};
 
 Key line_key(std::string& target) {
   return {"line", [&target](const toml::node& node) -> Complaint {
@@ -162,21 +195,26 @@ Key Reader::table(std::string_view name, const std::function<std::vector<Key>()>
 }
 
 std::vector<Key> Reader::root_keys() {
-  return {text_key("port", config_.port),
-          {"baud",
-           [this](const toml::node& node) -> Complaint {
-             const auto* number = node.as_integer();
-             const auto baud = number == nullptr || number->get() < 0 ||
-                                       number->get() > std::numeric_limits<std::int32_t>::max()
-                                   ? 0U
-                                   : static_cast<std::uint32_t>(number->get());
-             if (!oi::baud_code(baud)) return "is a rate of the robot's, such as 57600 or 19200";
-             config_.baud = baud;
-             return std::nullopt;
-           }},
-          table("pins", [this] { return pins_keys(); }),
-          table("robot", [this] { return robot_keys(); }),
-          table("realtime", [this] { return realtime_keys(); })};
+  std::vector<Key> keys = keys_of("");
+  for (const Setting& setting : settings()) {
+    const bool known =
+        std::ranges::any_of(keys, [&setting](const Key& key) { return key.name == setting.table; });
+    if (setting.table.empty() || known) continue;
+    keys.push_back(table(setting.table, [this, name = setting.table] { return keys_of(name); }));
+  }
+  keys.push_back(table("pins", [this] { return pins_keys(); }));
+  return keys;
+}
+
+std::vector<Key> Reader::keys_of(std::string_view table) {
+  std::vector<Key> keys;
+  for (const Setting& setting : settings()) {
+    if (setting.table != table) continue;
+    keys.push_back({setting.key, [this, &setting](const toml::node& node) {
+                      return std::visit(TakeSetting{setting, node, config_}, setting.member);
+                    }});
+  }
+  return keys;
 }
 
 std::vector<Key> Reader::pins_keys() {
@@ -198,28 +236,6 @@ std::vector<Key> Reader::output_keys(PinSetting& pin) {
     pin.drive = open ? gpio::Drive::open_drain : gpio::Drive::push_pull;
   }));
   return keys;
-}
-
-std::vector<Key> Reader::robot_keys() {
-  constexpr std::string_view kOfReported = "1 where what the robot reports is true";
-  return {number_key("wheel_base_mm", kWheelBaseMm, "in mm, not metres", config_.wheel_base_mm),
-          number_key("distance_scale", kScale, kOfReported, config_.distance_scale),
-          number_key("turn_scale", kScale, kOfReported, config_.turn_scale),
-          number_key("lag_s", kLagS, "in seconds, not ms", config_.lag_s),
-          number_key("acceleration_mm_s2", kAccelerationMmS2, "in mm/s^2, not m/s^2",
-                     config_.acceleration_mm_s2),
-          number_key("jerk_mm_s3", kJerkMmS3, "in mm/s^3, not m/s^3", config_.jerk_mm_s3),
-          {"remainder", [this](const toml::node& node) -> Complaint {
-             const std::string text = node.value<std::string>().value_or("");
-             if (text != "carried" && text != "lost") return "is \"carried\" or \"lost\"";
-             config_.remainder = text == "lost" ? rt::Remainder::lost : rt::Remainder::carried;
-             return std::nullopt;
-           }}};
-}
-
-std::vector<Key> Reader::realtime_keys() {
-  return {whole_key("priority", kPriority, config_.priority), whole_key("cpu", kCpu, config_.cpu),
-          flag_key("require", [this](bool require) { config_.require_realtime = require; })};
 }
 
 std::string personal_file() {
@@ -267,20 +283,18 @@ Result<Config> load_config(const std::string& file) {
 }
 
 void apply(const Config& config, CycleParameters& parameters) {
-  rt::WheelLoop::Parameters& loop = parameters.loop;
-  if (config.wheel_base_mm) {
-    loop.estimator.wheel_base_mm = *config.wheel_base_mm;
-    parameters.odometry.wheel_base_mm = *config.wheel_base_mm;
+  for (const Setting& setting : settings()) {
+    const bool said = std::visit(
+        [&config](auto member) {
+          if constexpr (requires { (config.*member).has_value(); }) {
+            return (config.*member).has_value();
+          } else {
+            return true;
+          }
+        },
+        setting.member);
+    if (said && setting.apply != nullptr) setting.apply(config, parameters);
   }
-  if (config.distance_scale) parameters.odometry.distance_scale = *config.distance_scale;
-  if (config.turn_scale) parameters.odometry.turn_scale = *config.turn_scale;
-  if (config.lag_s) {
-    loop.estimator.lag_s = *config.lag_s;
-    loop.controller.lag_s = *config.lag_s;
-  }
-  if (config.acceleration_mm_s2) loop.limits.acceleration_mm_s2 = *config.acceleration_mm_s2;
-  if (config.jerk_mm_s3) loop.limits.jerk_mm_s3 = *config.jerk_mm_s3;
-  if (config.remainder) loop.estimator.remainder = config.remainder;
 }
 
 }  // namespace cargobay::hal

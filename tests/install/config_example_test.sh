@@ -12,10 +12,13 @@ complain() {
   failed=1
 }
 
-# The names in hal/config/config.cpp: the first word in quotes of what makes a key.
-mapfile -t keys < <(tr '\n' ' ' < "$root/hal/config/config.cpp" |
-  grep -oE '(_key\(|table\(|\{)"[a-z_0-9]+",' | grep -oE '[a-z_0-9]+",$' | tr -d '",' | sort -u)
-((${#keys[@]} >= 20)) || complain "found only ${#keys[@]} keys in hal/config/config.cpp"
+# The rows of the settings, and the names of the pins' keys in config.cpp: the first word in quotes
+# of what makes a key.
+mapfile -t keys < <({
+  grep -ohE '\.(key|table) = "[a-z_0-9]+"' "$root/hal/config/setting_table.cpp"
+  tr '\n' ' ' < "$root/hal/config/config.cpp" | grep -oE '(_key\(|table\(|\{)"[a-z_0-9]+"'
+} | grep -oE '[a-z_0-9]+"$' | tr -d '"' | sort -u)
+((${#keys[@]} >= 20)) || complain "found only ${#keys[@]} keys in hal/config"
 for key in "${keys[@]}"; do
   grep -qE "^#?(\[([a-z_]+\.)?$key(\.[a-z_]+)?\]|$key = )" "$example" || complain "$example: no $key"
   grep -qwF -- "${key//_/\\_}" "$root/docs/man/cargobay.toml.5" ||

@@ -76,7 +76,7 @@ void Docking::start(const DemoView& view) {
 void Docking::forget() {
   edges_ = {};
   circles_ = false;
-  heading_known_ = false;
+  heading_deg_.reset();
 }
 
 double Docking::either_way(double degrees) { return random_.uniform() < 0.5 ? degrees : -degrees; }
@@ -128,12 +128,11 @@ void Docking::cross(std::uint8_t from, std::uint8_t to) {
   const double across = std::sin(radians(last_turned_deg_ - direction_deg));
   if ((across > 0.0) != leftward) direction_deg += 180.0;
   heading_deg_ = last_turned_deg_ + std::remainder(direction_deg - last_turned_deg_, 360.0);
-  heading_known_ = true;
   line_ = {.known = true, .x_mm = x_mm_, .y_mm = y_mm_};
 }
 
 bool Docking::hopeless(const DemoView& view) const {
-  const rt::Duration longest = heading_known_ ? kLongest : kLongestUnknown;
+  const rt::Duration longest = heading_deg_ ? kLongest : kLongestUnknown;
   return way_mm_ - seen_mm_ > kUnseenMm || met_ > kMostMet || view.now - started_at_ > longest;
 }
 
@@ -150,11 +149,11 @@ WheelSpeeds Docking::step(const DemoView& view) {
   const Inputs& seen = *view.seen;
   if (bumped(seen) || seen.any_cliff()) return meet(view);
   if (way_mm_ < leg_end_mm_) return leg(view);
-  if (!heading_known_) {
+  if (!heading_deg_) {
     const auto base = belief_.estimate();
     if (base && !take_way_in(view, *base)) return to_way_in(view, *base);
   }
-  return heading_known_ ? approach(view) : circle(view);
+  return heading_deg_ ? approach(view) : circle(view);
 }
 
 // From here it can steer onto the way in before it is at the base.
@@ -168,7 +167,6 @@ bool Docking::take_way_in(const DemoView& view, const BaseBelief::Place& base) {
   if (aside_mm > 0.5 * (ahead_mm - kTooNearMm)) return false;
   const double in_deg = (base.heading_rad / std::numbers::pi + 1.0) * 180.0;
   heading_deg_ = view.turned_deg + std::remainder(in_deg - view.turned_deg, 360.0);
-  heading_known_ = true;
   line_ = {.known = true, .x_mm = base.x_mm, .y_mm = base.y_mm};
   buoys_since_mm_ = way_mm_;
   return true;
@@ -196,8 +194,8 @@ WheelSpeeds Docking::meet(const DemoView& view) {
   ++met_;
   // At the base, and missed it by little: back the way it came, and once more.
   const bool near = in_field(seen) && !seen.any_cliff();
-  if (heading_known_ && near && buoys_ != 0 && met_ % 3 != 0) return evade(view, 300.0, 0.0, 0.0);
-  heading_known_ = false;
+  if (heading_deg_ && near && buoys_ != 0 && met_ % 3 != 0) return evade(view, 300.0, 0.0, 0.0);
+  heading_deg_.reset();
   circles_ = false;
   // The base stands at a wall: near it, this leads away from both, and far enough for another try.
   const double most_deg = near ? 170.0 : 150.0;
@@ -230,7 +228,7 @@ WheelSpeeds Docking::go_back(const DemoView& view) {
 
 // To the left of it; to the right less than 0.
 double Docking::beside_line_mm() const {
-  const double heading_rad = radians(heading_deg_);
+  const double heading_rad = radians(*heading_deg_);
   return std::cos(heading_rad) * (y_mm_ - line_.y_mm) -
          std::sin(heading_rad) * (x_mm_ - line_.x_mm);
 }
@@ -247,13 +245,13 @@ WheelSpeeds Docking::approach(const DemoView& view) {
   const double beside_mm = beside_line_mm();
   const bool near = in_field(*view.seen);
   if (near && buoys_ != kBoth && std::abs(beside_mm) > kBesideMm) {
-    const double left_deg = heading_deg_ - view.turned_deg;
+    const double left_deg = *heading_deg_ - view.turned_deg;
     if (std::abs(left_deg) > kPivotDeg) return evade(view, 0.0, left_deg, 0.0);
     return evade(view, kRetreatMm, 0.0, 0.0);
   }
   const double inward_deg =
       std::clamp(-kInwardDegPerMm * beside_mm, -kMostInwardDeg, kMostInwardDeg);
-  const double left_deg = heading_deg_ + inward_deg - view.turned_deg;
+  const double left_deg = *heading_deg_ + inward_deg - view.turned_deg;
   if (std::abs(left_deg) > kPivotDeg) return evade(view, 0.0, left_deg, 0.0);
   return steer(near ? kNearMmPerSec : kFarMmPerSec, left_deg);
 }

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "hal/sim/demos/base_belief.hpp"
 #include "hal/sim/demos/demo_view.hpp"
@@ -88,13 +89,12 @@ class Docking {
   double back_mm_ = 0.0;  // the same when it will be back in the light
   double seen_mm_ = 0.0;  // the same when it saw anything last
   Middle field_{};
-  Middle lit_{};                 // by a buoy
-  std::array<Edge, 2> edges_{};  // of red's light, of green's
-  bool circles_ = false;         // has just left the middle, and turns back into it
-  bool heading_known_ = false;
-  double heading_deg_ = 0.0;  // to the base, as `turned_deg` counts
-  Edge line_{};               // a place from where that heading leads to the base
-  double leg_end_mm_ = 0.0;   // until it has come so far it drives straight, whatever it sees
+  Middle lit_{};                         // by a buoy
+  std::array<Edge, 2> edges_{};          // of red's light, of green's
+  bool circles_ = false;                 // has just left the middle, and turns back into it
+  std::optional<double> heading_deg_{};  // to the base, as `turned_deg` counts; if known
+  Edge line_{};                          // a place from where that heading leads to the base
+  double leg_end_mm_ = 0.0;  // until it has come so far it drives straight, whatever it sees
   double leg_deg_ = 0.0;
 };
 

@@ -26,51 +26,50 @@ void see_force_field(Inputs& seen) {
 Device::Device(const Parameters& parameters)
     : parameters_{parameters},
       next_tick_{parameters.first_tick},
-      baud_{parameters.boot_baud},
-      next_baud_{parameters.boot_baud},
-      output_{std::max(parameters.transmit_bytes, kLongestPart)},
-      input_{kInputRoom},
-      wheels_{parameters},
-      odometer_{parameters},
+      serial_{.baud = parameters.boot_baud,
+              .next_baud = parameters.boot_baud,
+              .output = UartLine{std::max(parameters.transmit_bytes, kLongestPart)},
+              .input = RingBuffer<std::uint8_t>{kInputRoom}},
+      chassis_{.wheels = Wheels{parameters}, .odometer = Odometer{parameters}},
       battery_{parameters.battery},
       junk_{parameters.seed ^ kJunkSeed} {
   switch (parameters.power_on) {
-    case PowerOn::long_ago: brc_.power_on(-BrcDetector::kAfterPowerOn); break;
+    case PowerOn::long_ago: supply_.brc.power_on(-BrcDetector::kAfterPowerOn); break;
     case PowerOn::now: switch_on(kPowerOnTime); break;
-    case PowerOn::never: power_ = Power::off; break;
+    case PowerOn::never: supply_.state = Power::off; break;
   }
 }
 
 Truth Device::truth() const {
-  Wheels wheels = wheels_;
-  wheels.advance(now_ - wheels_at_);
+  Wheels wheels = chassis_.wheels;
+  wheels.advance(now_ - chassis_.at);
   return {.pose = wheels.pose(), .speeds = wheels.speeds()};
 }
 
 std::uint8_t Device::sounding() const {
   if (songs_.playing()) return songs_.sounding(now_);
-  return own_sound_.playing() ? own_sound_.sounding(now_) : demo_note_;
+  return own_sound_.playing() ? own_sound_.sounding(now_) : demo_.note;
 }
 
 void Device::place(const Pose& pose) {
   advance_wheels();
-  wheels_.place(pose);
+  chassis_.wheels.place(pose);
 }
 
 void Device::set_wheels_blocked(bool left, bool right) {
-  left_blocked_ = left;
-  right_blocked_ = right;
+  chassis_.blocked.left = left;
+  chassis_.blocked.right = right;
   advance_wheels();
-  wheels_.set_blocked(left || inputs_.overcurrent_left_wheel,
-                      right || inputs_.overcurrent_right_wheel);
+  chassis_.wheels.set_blocked(left || inputs_.overcurrent_left_wheel,
+                              right || inputs_.overcurrent_right_wheel);
 }
 
 void Device::turn_wheels(WheelSpeeds turned) {
   advance_wheels();
-  wheels_.set_turned(turned);
+  chassis_.wheels.set_turned(turned);
 }
 
-rt::Duration Device::next_event() const { return std::min(next_tick_, baud_change_at_); }
+rt::Duration Device::next_event() const { return std::min(next_tick_, serial_.change_at); }
 
 rt::Duration Device::until_next_event() const { return next_event() - now_; }
 
@@ -78,9 +77,9 @@ void Device::advance(rt::Duration period) {
   const rt::Duration end = now_ + period;
   while (next_event() <= end) {
     now_ = next_event();
-    if (baud_change_at_ == now_) {
-      baud_ = next_baud_;
-      baud_change_at_ = rt::Duration::max();
+    if (serial_.change_at == now_) {
+      serial_.baud = serial_.next_baud;
+      serial_.change_at = rt::Duration::max();
     }
     if (next_tick_ == now_) {
       tick();
@@ -93,15 +92,15 @@ void Device::advance(rt::Duration period) {
 // Integrates the wheels from one change to the next and no finer, so that the result does not
 // depend on how time is divided into calls of advance().
 void Device::advance_wheels() {
-  wheels_.advance(now_ - wheels_at_);
-  wheels_at_ = now_;
+  chassis_.wheels.advance(now_ - chassis_.at);
+  chassis_.at = now_;
 }
 
 void Device::tick() {
   ++ticks_;
   advance_wheels();
-  wheels_.tick();
-  odometer_.latch(wheels_.left().counts(), wheels_.right().counts());
+  chassis_.wheels.tick();
+  chassis_.odometer.latch(chassis_.wheels.left().counts(), chassis_.wheels.right().counts());
   release_buttons();
   const Inputs before = seen_;
   seen_ = inputs_;
@@ -111,8 +110,8 @@ void Device::tick() {
   tick_battery();
   tick_play_held();
   own_sound_.advance(now_);
-  if (power_ == Power::booting) tick_boot();
-  if (power_ == Power::on) {
+  if (supply_.state == Power::booting) tick_boot();
+  if (supply_.state == Power::on) {
     tick_buttons(before);
     tick_oi();
   }
@@ -122,16 +121,16 @@ void Device::tick() {
 // A motor gets 1.0 A at most (OI p. 17): a wheel that needs more to move stands still, and a wheel
 // that is held draws that much.
 void Device::overload_wheels() {
-  wheels_.set_blocked(left_blocked_ || seen_.overcurrent_left_wheel,
-                      right_blocked_ || seen_.overcurrent_right_wheel);
-  if (wheels_.left().stalled()) seen_.overcurrent_left_wheel = true;
-  if (wheels_.right().stalled()) seen_.overcurrent_right_wheel = true;
+  chassis_.wheels.set_blocked(chassis_.blocked.left || seen_.overcurrent_left_wheel,
+                              chassis_.blocked.right || seen_.overcurrent_right_wheel);
+  if (chassis_.wheels.left().stalled()) seen_.overcurrent_left_wheel = true;
+  if (chassis_.wheels.right().stalled()) seen_.overcurrent_right_wheel = true;
 }
 
 void Device::press(oi::Button button, rt::Duration period) {
   const bool play = button == oi::Button::play;
   (play ? inputs_.play_button : inputs_.advance_button) = true;
-  (play ? play_released_at_ : advance_released_at_) = next_tick_ + period;
+  (play ? released_at_.play : released_at_.advance) = next_tick_ + period;
 }
 
 void Device::release_buttons() {
@@ -140,8 +139,8 @@ void Device::release_buttons() {
     button = false;
     released_at = rt::Duration::max();
   };
-  release(inputs_.play_button, play_released_at_);
-  release(inputs_.advance_button, advance_released_at_);
+  release(inputs_.play_button, released_at_.play);
+  release(inputs_.advance_button, released_at_.advance);
 }
 
 void Device::tick_oi() {
@@ -172,23 +171,23 @@ void Device::send_frame() {
     size += 1U + oi::find_packet(id, parameters_.extensions)->size;
   }
   send(oi::kFrameHeader);
-  sent_sum_ = parameters_.checksum == oi::Checksum::excluding_header ? 0U : oi::kFrameHeader;
-  garbling_ = faults_.garbled_frames > 0;
-  if (garbling_) --faults_.garbled_frames;
+  serial_.sent_sum = parameters_.checksum == oi::Checksum::excluding_header ? 0U : oi::kFrameHeader;
+  serial_.garbling = faults_.garbled_frames > 0;
+  if (serial_.garbling) --faults_.garbled_frames;
   send(static_cast<std::uint8_t>(size));
   for (const std::uint8_t id : stream_.packets()) {
     send(id);
     send_packet(id);
   }
-  send(static_cast<std::uint8_t>(0U - sent_sum_));
-  garbling_ = false;
+  send(static_cast<std::uint8_t>(0U - serial_.sent_sum));
+  serial_.garbling = false;
   ++counters_.frames_sent;
 }
 
 void Device::send(std::uint8_t byte) {
-  sent_sum_ += byte;
-  const auto sent = garbling_ ? static_cast<std::uint8_t>(junk_.next()) : byte;
-  if (output_.push(now_, sent, next_baud_)) {
+  serial_.sent_sum += byte;
+  const auto sent = serial_.garbling ? static_cast<std::uint8_t>(junk_.next()) : byte;
+  if (serial_.output.push(now_, sent, serial_.next_baud)) {
     ++counters_.bytes_sent;
   } else {
     ++counters_.bytes_lost;
@@ -202,14 +201,14 @@ void Device::print(std::string_view text) {
 void Device::receive(std::uint8_t byte) {
   ++counters_.bytes_received;
   // At 115200 a byte that begins less than 200 us after the last one heard is lost (OI p. 7).
-  const bool too_close = baud_ == kFastBaud && last_heard_ != rt::Duration::min() &&
-                         now_ - last_heard_ < oi::kByteSpacingAt115200;
-  if (power_ != Power::on || too_close || now_ < deaf_until_) {
+  const bool too_close = serial_.baud == kFastBaud && serial_.last_heard != rt::Duration::min() &&
+                         now_ - serial_.last_heard < oi::kByteSpacingAt115200;
+  if (supply_.state != Power::on || too_close || now_ < serial_.deaf_until) {
     ++counters_.bytes_unheard;
     return;
   }
-  last_heard_ = now_;
-  if (!input_.push_back(byte)) {
+  serial_.last_heard = now_;
+  if (!serial_.input.push_back(byte)) {
     ++counters_.bytes_overrun;
     return;
   }

@@ -86,10 +86,10 @@ class Device {
   // A byte has fully arrived, now.
   void receive(std::uint8_t byte);
   // What it sends: pop the bytes that have arrived at the other end.
-  UartLine& output() { return output_; }
-  const UartLine& output() const { return output_; }
+  UartLine& output() { return serial_.output; }
+  const UartLine& output() const { return serial_.output; }
   // The rate that it listens at.
-  std::uint32_t baud() const { return baud_; }
+  std::uint32_t baud() const { return serial_.baud; }
 
   void advance(rt::Duration period);
   // How much time may pass at most before it does something by itself. Never negative.
@@ -107,29 +107,29 @@ class Device {
   // The battery fails for an instant: the robot forgets everything.
   void brown_out();
 
-  Power power() const { return power_; }
+  Power power() const { return supply_.state; }
   oi::Mode mode() const { return mode_; }
   Truth truth() const;
-  WheelSpeeds commanded() const { return wheels_.command(); }
+  WheelSpeeds commanded() const { return chassis_.wheels.command(); }
   const Actuators& actuators() const { return actuators_; }
   const SongPlayer& songs() const { return songs_; }
   // The MIDI number of the note that sounds, from a song, a demo or the robot itself; 0: silence.
   std::uint8_t sounding() const;
   const StreamSender& stream() const { return stream_; }
-  std::span<const std::uint8_t> script() const { return script_; }
+  std::span<const std::uint8_t> script() const { return script_.bytes; }
   // Deaf and silent: a Wait command has not ended yet.
   bool waiting() const { return wait_.active(); }
   // A reply is waiting for room on the line; what comes meanwhile is kept for later.
   bool replying() const { return reply_.under_way(); }
-  const Demos& demos() const { return demos_; }
+  const Demos& demos() const { return demo_.demos; }
   Battery& battery() { return battery_; }
   const Battery& battery() const { return battery_; }
-  bool brc_high() const { return brc_.high(); }
+  bool brc_high() const { return supply_.brc.high(); }
   // Why Safe last became Passive.
   std::optional<Hazard> last_hazard() const { return last_hazard_; }
   const DeviceCounters& counters() const { return counters_; }
   // How many bytes, at least, complete the command in progress; 0 between commands.
-  std::size_t bytes_awaited() const { return parser_.needed(); }
+  std::size_t bytes_awaited() const { return serial_.parser.needed(); }
   const Parameters& parameters() const { return parameters_; }
 
   // What the sensors see from the next tick on.
@@ -217,60 +217,85 @@ class Device {
   void reply();
   void send_packet(std::uint8_t id);
 
+  // Battery, button, and the two pins that switch it on and change its rate.
+  struct Supply {
+    Power state = Power::on;
+    rt::Duration powered_at{0};
+    rt::Duration booted_at{0};
+    bool boot_text_due = false;
+    bool play_held = false;  // since power-on
+    bool toggle_high = true;
+    BrcDetector brc{};
+    std::optional<std::uint32_t> brc_baud{};  // survives power-off, but not the loss of the battery
+  };
+  struct Serial {
+    std::uint32_t baud;
+    std::uint32_t next_baud;  // the rate to send at, once the bytes sent before have left
+    UartLine output;
+    RingBuffer<std::uint8_t> input;  // heard, not interpreted: all that comes while it waits
+    rt::Duration change_at{rt::Duration::max()};
+    rt::Duration deaf_until{0};
+    rt::Duration last_heard{rt::Duration::min()};
+    std::uint32_t sent_sum = 0;  // of a frame's bytes, for its checksum
+    bool garbling = false;
+    oi::CommandParser parser{};
+  };
+  struct Script {
+    oi::FixedList<std::uint8_t, oi::kMaxScriptBytes> bytes{};
+    std::uint64_t tick = 0;  // of the last Play Script
+    bool played = false;
+    bool again = false;  // it replays itself from the next tick on
+  };
+  struct ReleasedAt {
+    rt::Duration play{rt::Duration::max()};
+    rt::Duration advance{rt::Duration::max()};
+  };
+  struct Blocked {  // by set_wheels_blocked()
+    bool left = false;
+    bool right = false;
+  };
+  struct Requested {
+    std::int32_t velocity_mm_s = 0;
+    std::int32_t radius_mm = 0;
+    std::int32_t right_mm_s = 0;
+    std::int32_t left_mm_s = 0;
+  };
+
+  struct Chassis {
+    Wheels wheels;
+    Odometer odometer;
+    rt::Duration at{0};  // to where the wheels have been moved
+    Blocked blocked{};
+  };
+  struct DemoState {
+    Demos demos{};
+    std::int32_t selected = 0;
+    std::uint8_t note = 0;
+  };
+
   Parameters parameters_;
   rt::Duration now_{0};
   rt::Duration next_tick_;
   std::uint64_t ticks_ = 0;
-
-  Power power_ = Power::on;
-  rt::Duration powered_at_{0};
-  rt::Duration booted_at_{0};
-  bool boot_text_due_ = false;
-  bool play_held_ = false;  // since power-on
-  bool power_toggle_high_ = true;
-  BrcDetector brc_{};
-  std::optional<std::uint32_t> brc_baud_{};  // survives power-off, but not the loss of the battery
-
-  std::uint32_t baud_;
-  std::uint32_t next_baud_;  // the rate to send at, once the bytes sent before have left
-  rt::Duration baud_change_at_{rt::Duration::max()};
-  rt::Duration deaf_until_{0};
-  rt::Duration last_heard_{rt::Duration::min()};
-  UartLine output_;
-  std::uint32_t sent_sum_ = 0;  // of a frame's bytes, for its checksum
-  bool garbling_ = false;
-  RingBuffer<std::uint8_t> input_;  // heard, not interpreted: all that comes while it waits
-  oi::CommandParser parser_{};
+  Supply supply_{};
+  Serial serial_;
 
   oi::Mode mode_ = oi::Mode::off;
   Inputs inputs_{};
-  rt::Duration play_released_at_{rt::Duration::max()};
-  rt::Duration advance_released_at_{rt::Duration::max()};
   Inputs seen_{};  // the inputs at the last tick
-  Wheels wheels_;
-  rt::Duration wheels_at_{0};
-  bool left_blocked_ = false;  // by set_wheels_blocked()
-  bool right_blocked_ = false;
-  Odometer odometer_;
+  ReleasedAt released_at_{};
+  Chassis chassis_;
+  Requested requested_{};
   Battery battery_;
   StreamSender stream_{};
   SongPlayer songs_{};
   Melody own_sound_{};  // a beep or a tune, not a song of the Open Interface
   Actuators actuators_{};
-  oi::FixedList<std::uint8_t, oi::kMaxScriptBytes> script_{};
-  std::uint64_t script_tick_ = 0;  // of the last Play Script
-  bool script_played_ = false;
-  bool script_again_ = false;  // it replays itself from the next tick on
+  Script script_{};
   Wait wait_{};
   Reply reply_{};
-  Demos demos_{};
-  std::int32_t selected_demo_ = 0;
-  std::uint8_t demo_note_ = 0;
+  DemoState demo_{};
   std::optional<Hazard> last_hazard_{};
-  std::int32_t requested_velocity_mm_s_ = 0;
-  std::int32_t requested_radius_mm_ = 0;
-  std::int32_t requested_right_mm_s_ = 0;
-  std::int32_t requested_left_mm_s_ = 0;
   DeviceFaults faults_{};
   Random junk_;
   DeviceCounters counters_{};

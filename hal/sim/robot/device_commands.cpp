@@ -28,9 +28,9 @@ constexpr std::uint8_t low_byte(std::int32_t value) { return static_cast<std::ui
 
 void Device::process() {
   // Takes each byte once; Play Script adds the length of a script, once a tick.
-  while (!input_.empty() && !waiting() && !replying() && power_ == Power::on) {
-    const std::uint8_t byte = input_.front();
-    input_.pop_front();
+  while (!serial_.input.empty() && !waiting() && !replying() && supply_.state == Power::on) {
+    const std::uint8_t byte = serial_.input.front();
+    serial_.input.pop_front();
     interpret(byte);
   }
 }
@@ -39,17 +39,18 @@ void Device::interpret(std::uint8_t byte) {
   if (mode_ == oi::Mode::off) {
     // Off does not even assemble commands: it only listens for Start.
     if (byte == oi::Start::kOpcode) {
-      parser_.reset();
+      serial_.parser.reset();
       ++counters_.commands;
       enter(oi::Mode::passive);
       own_sound_.start(kStartBeep, now_);
     }
     return;
   }
-  switch (parser_.push(byte)) {
+  switch (serial_.parser.push(byte)) {
     case oi::CommandParser::Outcome::incomplete: return;
     case oi::CommandParser::Outcome::unknown_opcode: return extension(byte);
-    case oi::CommandParser::Outcome::command: return execute(parser_.info(), parser_.bytes());
+    case oi::CommandParser::Outcome::command:
+      return execute(serial_.parser.info(), serial_.parser.bytes());
   }
 }
 
@@ -130,9 +131,11 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
     case oi::ShowScript::kOpcode: return show_script();
     case oi::WaitTime::kOpcode: return wait_.for_time(arguments[0], now_);
     case oi::WaitDistance::kOpcode:
-      odometer_.reset_distance();
+      chassis_.odometer.reset_distance();
       return wait_.for_distance(arguments[0]);
-    case oi::WaitAngle::kOpcode: odometer_.reset_angle(); return wait_.for_angle(arguments[0]);
+    case oi::WaitAngle::kOpcode:
+      chassis_.odometer.reset_angle();
+      return wait_.for_angle(arguments[0]);
     case oi::WaitEvent::kOpcode: return wait_.for_event(arguments[0]);
     default: return;
   }
@@ -144,9 +147,9 @@ void Device::enter(oi::Mode mode) {
   // On entering Safe or Full, it "waits with all motors and LEDs off"; on leaving them, it stops.
   // Between Safe and Full the wheels keep turning.
   if (controls) actuators_.leds = {};
-  if (controls != controlled || demos_.running()) stop_motors();
-  demos_.stop();
-  demo_note_ = 0;
+  if (controls != controlled || demo_.demos.running()) stop_motors();
+  demo_.demos.stop();
+  demo_.note = 0;
   mode_ = mode;
 }
 
@@ -158,21 +161,21 @@ void Device::stop_motors() {
 // The robot hears nothing for 100 ms.
 void Device::change_baud(std::int32_t code) {
   if (code < 0 || code >= static_cast<std::int32_t>(oi::kBaudRates.size())) return;
-  brc_baud_.reset();
+  supply_.brc_baud.reset();
   switch_baud(oi::kBaudRates[static_cast<std::size_t>(code)]);
-  deaf_until_ = now_ + oi::kBaudChangeWait;
+  serial_.deaf_until = now_ + oi::kBaudChangeWait;
 }
 
 // The new rate applies once everything sent before has left.
 void Device::switch_baud(std::uint32_t baud) {
-  next_baud_ = baud;
-  baud_change_at_ = std::max(now_, output_.free_at());
+  serial_.next_baud = baud;
+  serial_.change_at = std::max(now_, serial_.output.free_at());
 }
 
 void Device::take_half_command() {
-  if (power_ != Power::on) return;
+  if (supply_.state != Power::on) return;
   if (mode_ == oi::Mode::off) enter(oi::Mode::passive);
-  parser_.reset();
+  serial_.parser.reset();
   // The longest command there is: a song of 255 notes.
   for (const std::uint8_t byte : {oi::Song::kOpcode, std::uint8_t{0}, std::uint8_t{255}}) {
     interpret(byte);
@@ -180,9 +183,9 @@ void Device::take_half_command() {
 }
 
 void Device::set_baud(std::uint32_t baud) {
-  next_baud_ = baud;
-  baud_ = baud;
-  baud_change_at_ = rt::Duration::max();
+  serial_.next_baud = baud;
+  serial_.baud = baud;
+  serial_.change_at = rt::Duration::max();
 }
 
 void Device::drive(std::int32_t velocity_mm_s, std::int32_t radius_mm) {
@@ -190,8 +193,8 @@ void Device::drive(std::int32_t velocity_mm_s, std::int32_t radius_mm) {
       radius_mm == oi::kStraight.value || radius_mm == oi::kStraightAlternative.value;
   velocity_mm_s = std::clamp(velocity_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
   if (!straight) radius_mm = std::clamp(radius_mm, -oi::kMaxRadius, oi::kMaxRadius);
-  requested_velocity_mm_s_ = velocity_mm_s;
-  requested_radius_mm_ = radius_mm;
+  requested_.velocity_mm_s = velocity_mm_s;
+  requested_.radius_mm = radius_mm;
   const auto velocity = static_cast<double>(velocity_mm_s);
   if (straight || radius_mm == 0) return obey_drive({velocity, velocity});
   if (radius_mm == oi::kTurnClockwise.value) return obey_drive({velocity, -velocity});
@@ -211,10 +214,10 @@ void Device::drive(std::int32_t velocity_mm_s, std::int32_t radius_mm) {
 }
 
 void Device::drive_direct(std::int32_t right_mm_s, std::int32_t left_mm_s) {
-  requested_right_mm_s_ = std::clamp(right_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
-  requested_left_mm_s_ = std::clamp(left_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
+  requested_.right_mm_s = std::clamp(right_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
+  requested_.left_mm_s = std::clamp(left_mm_s, -oi::kMaxWheelSpeed, oi::kMaxWheelSpeed);
   obey_drive(
-      {static_cast<double>(requested_left_mm_s_), static_cast<double>(requested_right_mm_s_)});
+      {static_cast<double>(requested_.left_mm_s), static_cast<double>(requested_.right_mm_s)});
 }
 
 void Device::obey_drive(WheelSpeeds command) {
@@ -224,18 +227,18 @@ void Device::obey_drive(WheelSpeeds command) {
 
 void Device::set_wheels(WheelSpeeds command) {
   advance_wheels();
-  wheels_.set_command(command);
+  chassis_.wheels.set_command(command);
 }
 
 void Device::start_demo(std::int32_t number) {
   enter(oi::Mode::passive);
-  demos_.start(number, demo_view());
+  demo_.demos.start(number, demo_view());
 }
 
 Demos::View Device::demo_view() const {
   const double mm_per_count = 1.0 / parameters_.wheels.counts_per_mm;
-  const double left_mm = static_cast<double>(wheels_.left().counts()) * mm_per_count;
-  const double right_mm = static_cast<double>(wheels_.right().counts()) * mm_per_count;
+  const double left_mm = static_cast<double>(chassis_.wheels.left().counts()) * mm_per_count;
+  const double right_mm = static_cast<double>(chassis_.wheels.right().counts()) * mm_per_count;
   const double turned_rad = (right_mm - left_mm) / parameters_.wheels.wheel_base_mm;
   return {.now = now_,
           .seen = &seen_,
@@ -244,10 +247,10 @@ Demos::View Device::demo_view() const {
 }
 
 void Device::tick_demo() {
-  if (!demos_.running()) return;
-  const Demos::Action action = demos_.step(demo_view());
+  if (!demo_.demos.running()) return;
+  const Demos::Action action = demo_.demos.step(demo_view());
   set_wheels(action.wheels);
-  demo_note_ = action.note;
+  demo_.note = action.note;
 }
 
 // In Off and Passive the robot acts by itself: Play starts and ends the demo that Advance selects.
@@ -256,52 +259,52 @@ void Device::tick_buttons(const Inputs& before) {
   if (waiting()) return;  // it does not "react to any inputs, serial or otherwise" (OI p. 15)
   constexpr auto kDemos = static_cast<std::int32_t>(oi::DemoNumber::banjo) + 1;
   if (seen_.advance_button && !before.advance_button)
-    selected_demo_ = (selected_demo_ + 1) % kDemos;
+    demo_.selected = (demo_.selected + 1) % kDemos;
   if (!seen_.play_button || before.play_button) return;
-  const bool ends = demos_.running();
-  demos_.start(ends ? -1 : selected_demo_, demo_view());
+  const bool ends = demo_.demos.running();
+  demo_.demos.start(ends ? -1 : demo_.selected, demo_view());
   if (ends) stop_motors();
 }
 
 // A script longer than the manual's 100 bytes is not stored; the old one stays, as with songs.
 void Device::store_script(std::span<const std::uint8_t> body) {
   if (body.size() > oi::kMaxScriptBytes) return;
-  script_.clear();
-  (void)script_.append(body);  // it fits: checked above
+  script_.bytes.clear();
+  (void)script_.bytes.append(body);  // it fits: checked above
 }
 
 // "Loads a script into the serial input queue" (OI p. 15): after what is already there. A script
 // that replays itself without a wait does so once a tick.
 void Device::play_script() {
-  if (script_.empty()) return;
-  if (script_tick_ == ticks_ && script_played_) {
+  if (script_.bytes.empty()) return;
+  if (script_.tick == ticks_ && script_.played) {
     wait_.for_tick(now_);
-    script_again_ = true;
+    script_.again = true;
     return;
   }
-  script_played_ = true;
-  script_tick_ = ticks_;
-  for (const std::uint8_t byte : script_) {
-    if (!input_.push_back(byte)) ++counters_.bytes_overrun;
+  script_.played = true;
+  script_.tick = ticks_;
+  for (const std::uint8_t byte : script_.bytes) {
+    if (!serial_.input.push_back(byte)) ++counters_.bytes_overrun;
   }
 }
 
 void Device::tick_wait() {
   wait_.look({.now = now_,
-              .distance_mm = odometer_.distance_mm(),
-              .angle_deg = odometer_.angle_deg(),
+              .distance_mm = chassis_.odometer.distance_mm(),
+              .angle_deg = chassis_.odometer.angle_deg(),
               .seen = &seen_,
               .mode = mode_});
-  if (waiting() || !script_again_) return;
-  script_again_ = false;
+  if (waiting() || !script_.again) return;
+  script_.again = false;
   play_script();
 }
 
 void Device::show_script() {
   stream_.pause();
   oi::FixedList<std::uint8_t, 1 + oi::kMaxScriptBytes> answer;
-  (void)answer.push_back(static_cast<std::uint8_t>(script_.size()));
-  (void)answer.append(script_);
+  (void)answer.push_back(static_cast<std::uint8_t>(script_.bytes.size()));
+  (void)answer.append(script_.bytes);
   reply_.begin_bytes(answer);
   reply();
 }

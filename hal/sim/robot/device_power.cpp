@@ -36,21 +36,21 @@ constexpr std::array kDriverLimitsMa{500.0, 500.0, 1600.0};  // OI p. 17
 
 void Device::switch_on(rt::Duration boot_time) {
   forget_oi();
-  power_ = Power::booting;
-  powered_at_ = now_;
-  booted_at_ = now_ + boot_time;
-  boot_text_due_ = true;
-  play_held_ = inputs_.play_button;
+  supply_.state = Power::booting;
+  supply_.powered_at = now_;
+  supply_.booted_at = now_ + boot_time;
+  supply_.boot_text_due = true;
+  supply_.play_held = inputs_.play_button;
   actuators_ = {};
   actuators_.digital_outputs = kAllOutputsHigh;
-  brc_.power_on(now_);
-  switch_baud(brc_baud_.value_or(parameters_.boot_baud));
+  supply_.brc.power_on(now_);
+  switch_baud(supply_.brc_baud.value_or(parameters_.boot_baud));
   ++counters_.boots;
 }
 
 void Device::switch_off() {
   forget_oi();
-  power_ = Power::off;
+  supply_.state = Power::off;
   actuators_ = {};
   print("processor-sleep\r\n");
 }
@@ -58,60 +58,60 @@ void Device::switch_off() {
 void Device::forget_oi() {
   mode_ = oi::Mode::off;
   set_wheels({});
-  parser_.reset();
-  input_.clear();
+  serial_.parser.reset();
+  serial_.input.clear();
   wait_.end();
   reply_.clear();
-  demos_.stop();
-  demo_note_ = 0;
+  demo_.demos.stop();
+  demo_.note = 0;
   own_sound_.stop();
   stream_.reset();
   songs_.reset();
-  script_.clear();
-  script_played_ = false;
-  script_again_ = false;
-  requested_velocity_mm_s_ = 0;
-  requested_radius_mm_ = 0;
-  requested_right_mm_s_ = 0;
-  requested_left_mm_s_ = 0;
+  script_.bytes.clear();
+  script_.played = false;
+  script_.again = false;
+  requested_.velocity_mm_s = 0;
+  requested_.radius_mm = 0;
+  requested_.right_mm_s = 0;
+  requested_.left_mm_s = 0;
 }
 
 void Device::press_power() {
-  if (power_ != Power::off) return switch_off();
-  output_.clear();  // unsent bytes, at 300 baud half a minute's worth, go with the power
+  if (supply_.state != Power::off) return switch_off();
+  serial_.output.clear();  // unsent bytes, at 300 baud half a minute's worth, go with the power
   print("key-wakeup\r\n");
   switch_on(kPowerOnTime);
 }
 
 void Device::set_power_toggle(bool high) {
-  if (high && !power_toggle_high_) press_power();
-  power_toggle_high_ = high;
+  if (high && !supply_.toggle_high) press_power();
+  supply_.toggle_high = high;
 }
 
 void Device::set_brc(bool high) {
-  if (!brc_.set_level(high, now_) || power_ == Power::off) return;
-  brc_baud_ = oi::kBrcBaud;
+  if (!supply_.brc.set_level(high, now_) || supply_.state == Power::off) return;
+  supply_.brc_baud = oi::kBrcBaud;
   switch_baud(oi::kBrcBaud);
 }
 
 void Device::reset() {
-  if (power_ != Power::off) switch_on(kResetTime);
+  if (supply_.state != Power::off) switch_on(kResetTime);
 }
 
 void Device::brown_out() {
-  if (power_ == Power::off) return;
-  brc_baud_.reset();
-  output_.clear();
+  if (supply_.state == Power::off) return;
+  supply_.brc_baud.reset();
+  serial_.output.clear();
   switch_on(kPowerOnTime);
 }
 
 // After that "the OI is in off mode" (OI p. 6) and no rate is remembered (OI p. 5, 7).
 void Device::change_battery(BatteryPack pack) {
   forget_oi();
-  power_ = Power::off;
+  supply_.state = Power::off;
   actuators_ = {};
-  brc_baud_.reset();
-  output_.clear();
+  supply_.brc_baud.reset();
+  serial_.output.clear();
   battery_.insert(pack);
 }
 
@@ -126,26 +126,26 @@ std::array<double, 3> Device::low_side_driver_ma() const {
 }
 
 void Device::tick_boot() {
-  if (boot_text_due_ && now_ >= powered_at_ + kBootSilence) {
-    boot_text_due_ = false;
+  if (supply_.boot_text_due && now_ >= supply_.powered_at + kBootSilence) {
+    supply_.boot_text_due = false;
     actuators_.digital_outputs = 0;
     print(kBootText);
   }
-  if (now_ >= booted_at_) power_ = Power::on;
+  if (now_ >= supply_.booted_at) supply_.state = Power::on;
 }
 
 void Device::tick_battery() {
   const bool in_control = mode_ == oi::Mode::safe || mode_ == oi::Mode::full;
-  double load_ma = power_ == Power::off ? kSleepingMa : kIdleMa;
-  const WheelSpeeds speeds = wheels_.speeds();
+  double load_ma = supply_.state == Power::off ? kSleepingMa : kIdleMa;
+  const WheelSpeeds speeds = chassis_.wheels.speeds();
   load_ma += kWheelMaPerMmPerSec * (std::abs(speeds.left_mm_s) + std::abs(speeds.right_mm_s));
-  for (const Wheel& wheel : {wheels_.left(), wheels_.right()})
+  for (const Wheel& wheel : {chassis_.wheels.left(), chassis_.wheels.right()})
     load_ma += wheel.stalled() ? kStalledWheelMa : 0.0;
   for (const double driver_ma : low_side_driver_ma()) load_ma += driver_ma;
   battery_.advance(oi::kTick, load_ma, seen_.charger || seen_.home_base, !in_control);
-  if (battery_.empty() && power_ != Power::off) {
+  if (battery_.empty() && supply_.state != Power::off) {
     switch_off();
-    brc_baud_.reset();
+    supply_.brc_baud.reset();
   }
   const bool second_over = battery_.charging_time() / std::chrono::seconds{1} !=
                            (battery_.charging_time() - oi::kTick) / std::chrono::seconds{1};
@@ -154,9 +154,9 @@ void Device::tick_battery() {
 
 // Holding Play down for 4 s from power-on means 19200 (OI p. 5).
 void Device::tick_play_held() {
-  play_held_ = play_held_ && seen_.play_button && power_ != Power::off;
-  if (!play_held_ || now_ < powered_at_ + kPlayHeld) return;
-  play_held_ = false;
+  supply_.play_held = supply_.play_held && seen_.play_button && supply_.state != Power::off;
+  if (!supply_.play_held || now_ < supply_.powered_at + kPlayHeld) return;
+  supply_.play_held = false;
   switch_baud(oi::kBrcBaud);
   own_sound_.start(kTuneOf19200, now_);
 }

@@ -21,7 +21,7 @@ std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lroun
 // Sends as far as the line has room, and continues at the next tick: a reply arrives whole, however
 // long (255 times group 6 takes 2.3 s at 57600).
 void Device::reply() {
-  while (reply_.under_way() && output_.room() >= kLongestPart) {
+  while (reply_.under_way() && serial_.output.room() >= kLongestPart) {
     const std::uint8_t part = reply_.front();
     reply_.is_packet() ? send_packet(part) : send(part);
     reply_.pop();
@@ -43,8 +43,8 @@ void Device::send_packet(std::uint8_t id) {
 
 std::int32_t Device::read_sensor(std::uint8_t id) {
   const auto packet = static_cast<oi::PacketId>(id);
-  if (packet == oi::kRawLeftCount) return raw_count(wheels_.left().edges());
-  if (packet == oi::kRawRightCount) return raw_count(wheels_.right().edges());
+  if (packet == oi::kRawLeftCount) return raw_count(chassis_.wheels.left().edges());
+  if (packet == oi::kRawRightCount) return raw_count(chassis_.wheels.right().edges());
   switch (packet) {
     case oi::PacketId::bumps_and_wheel_drops:
       return bit(seen_.bump_right, 0) | bit(seen_.bump_left, 1) | bit(seen_.wheel_drop_right, 2) |
@@ -63,8 +63,8 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
              bit(seen_.overcurrent_left_wheel, 4);
     case oi::PacketId::infrared_byte: return seen_.infrared;
     case oi::PacketId::buttons: return bit(seen_.play_button, 0) | bit(seen_.advance_button, 2);
-    case oi::PacketId::distance: return junk_or(odometer_.take_distance().value);
-    case oi::PacketId::angle: return junk_or(odometer_.take_angle().value);
+    case oi::PacketId::distance: return junk_or(chassis_.odometer.take_distance().value);
+    case oi::PacketId::angle: return junk_or(chassis_.odometer.take_angle().value);
     case oi::PacketId::charging_state: return static_cast<std::int32_t>(battery_.state());
     case oi::PacketId::voltage: return rounded(battery_.voltage_mv());
     case oi::PacketId::current: return rounded(battery_.current_ma());
@@ -78,17 +78,17 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
     case oi::PacketId::cliff_right_signal: return seen_.cliff_right.signal;
     case oi::PacketId::digital_inputs:
       return bit(seen_.digital[0], 0) | bit(seen_.digital[1], 1) | bit(seen_.digital[2], 2) |
-             bit(seen_.digital[3], 3) | bit(brc_.high(), 4);
+             bit(seen_.digital[3], 3) | bit(supply_.brc.high(), 4);
     case oi::PacketId::analog_signal: return seen_.analog;
     case oi::PacketId::charging_sources: return bit(seen_.charger, 0) | bit(seen_.home_base, 1);
     case oi::PacketId::oi_mode: return static_cast<std::int32_t>(mode_);
     case oi::PacketId::song_number: return songs_.selected();
     case oi::PacketId::song_playing: return songs_.playing();
     case oi::PacketId::stream_packets: return static_cast<std::int32_t>(stream_.packets().size());
-    case oi::PacketId::requested_velocity: return requested_velocity_mm_s_;
-    case oi::PacketId::requested_radius: return requested_radius_mm_;
-    case oi::PacketId::requested_right_velocity: return requested_right_mm_s_;
-    case oi::PacketId::requested_left_velocity: return requested_left_mm_s_;
+    case oi::PacketId::requested_velocity: return requested_.velocity_mm_s;
+    case oi::PacketId::requested_radius: return requested_.radius_mm;
+    case oi::PacketId::requested_right_velocity: return requested_.right_mm_s;
+    case oi::PacketId::requested_left_velocity: return requested_.left_mm_s;
     default: return 0;  // the unused packets
   }
 }

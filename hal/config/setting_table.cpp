@@ -1,0 +1,143 @@
+#include "hal/config/setting_table.hpp"
+
+#include <array>
+
+namespace cargobay::hal {
+namespace {
+
+constexpr std::string_view kTrueOfReported = "1 if what the robot reports is true";
+
+constexpr std::array kSettings{
+    Setting{.table = "",
+            .key = "port",
+            .member = &Config::port,
+            .meaning =
+                "Serial port of the robot; `cargobay ports` lists those available. A name that "
+                "stays the same however adapters are plugged in: /dev/serial/by-id/...",
+            .left_out = "the robot is a virtual Create",
+            .example = "\"/dev/ttyAMA0\""},
+    Setting{.table = "",
+            .key = "baud",
+            .member = &Config::baud,
+            .meaning =
+                "Baud rate, 300 to 115200. The robot is found at any of its rates, and brought "
+                "to this one",
+            .left_out = "57600",
+            .example = "57600"},
+    Setting{.table = "robot",
+            .key = "wheel_base_mm",
+            .member = &Config::wheel_base_mm,
+            .range = kWheelBaseMm,
+            .unit = "mm",
+            .not_unit = "not metres",
+            .meaning = "Distance between the wheels",
+            .left_out = "258",
+            .example = "258",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.loop.estimator.wheel_base_mm = *config.wheel_base_mm;
+                  parameters.odometry.wheel_base_mm = *config.wheel_base_mm;
+                }},
+    Setting{.table = "robot",
+            .key = "distance_scale",
+            .member = &Config::distance_scale,
+            .range = kScale,
+            .not_unit = kTrueOfReported,
+            .meaning = "True distance for each millimetre that the robot reports",
+            .left_out = "1",
+            .example = "1.0",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.odometry.distance_scale = *config.distance_scale;
+                }},
+    Setting{.table = "robot",
+            .key = "turn_scale",
+            .member = &Config::turn_scale,
+            .range = kScale,
+            .not_unit = kTrueOfReported,
+            .meaning = "True turn for each degree that the robot reports",
+            .left_out = "1",
+            .example = "1.0",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.odometry.turn_scale = *config.turn_scale;
+                }},
+    Setting{.table = "robot",
+            .key = "lag_s",
+            .member = &Config::lag_s,
+            .range = kLagS,
+            .unit = "seconds",
+            .not_unit = "not ms",
+            .meaning = "Time in which a wheel comes within 37 % of a new speed",
+            .left_out = "0.1",
+            .example = "0.1",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.loop.estimator.lag_s = *config.lag_s;
+                  parameters.loop.controller.lag_s = *config.lag_s;
+                }},
+    Setting{.table = "robot",
+            .key = "acceleration_mm_s2",
+            .member = &Config::acceleration_mm_s2,
+            .range = kAccelerationMmS2,
+            .unit = "mm/s^2",
+            .not_unit = "not m/s^2",
+            .meaning = "Greatest acceleration of a wheel",
+            .left_out = "1000",
+            .example = "1000",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.loop.limits.acceleration_mm_s2 = *config.acceleration_mm_s2;
+                }},
+    Setting{.table = "robot",
+            .key = "jerk_mm_s3",
+            .member = &Config::jerk_mm_s3,
+            .range = kJerkMmS3,
+            .unit = "mm/s^3",
+            .not_unit = "not m/s^3",
+            .meaning = "How fast the acceleration may grow",
+            .left_out = "at once",
+            .example = "10000",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.loop.limits.jerk_mm_s3 = *config.jerk_mm_s3;
+                }},
+    Setting{.table = "robot",
+            .key = "remainder",
+            .member = &Config::remainder,
+            .meaning =
+                "What a reading of distance and angle does to the fraction of a millimetre or "
+                "degree that it leaves: \"carried\" or \"lost\"",
+            .left_out = "found out while the robot drives",
+            .example = "\"carried\"",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.loop.estimator.remainder = config.remainder;
+                }},
+    Setting{.table = "realtime",
+            .key = "priority",
+            .member = &Config::priority,
+            .range = kPriority,
+            .meaning = "SCHED_FIFO priority of the loop; its guard is 10 above it, at most 98",
+            .left_out = "80",
+            .example = "80"},
+    Setting{.table = "realtime",
+            .key = "cpu",
+            .member = &Config::cpu,
+            .range = kCpu,
+            .meaning = "The loop runs on this CPU only",
+            .left_out = "on any",
+            .example = "3"},
+    Setting{.table = "realtime",
+            .key = "require",
+            .member = &Config::require_realtime,
+            .meaning = "Do not drive without SCHED_FIFO and locked memory",
+            .left_out = "false",
+            .example = "false"},
+};
+
+}  // namespace
+
+std::span<const Setting> settings() { return kSettings; }
+
+}  // namespace cargobay::hal
