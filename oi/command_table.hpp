@@ -74,8 +74,7 @@ struct CommandInfo {
   Tail tail = Tail::none;
   bool actuates = false;  // accepted in Safe and Full only
   ModeChange change = ModeChange::none;
-  bool reversed_in_text = false;  // the wire has right before left, people left before right
-  std::uint8_t page = 0;          // of the manual
+  std::uint8_t page = 0;  // of the manual
 
   constexpr std::span<const ArgumentInfo> arguments() const {
     return {argument_slots.data(), argument_count};
@@ -114,10 +113,6 @@ constexpr CommandInfo command(std::uint8_t opcode, std::string_view key, std::st
 }
 constexpr CommandInfo actuator(CommandInfo info) {
   info.actuates = true;
-  return info;
-}
-constexpr CommandInfo reversed_in_text(CommandInfo info) {
-  info.reversed_in_text = true;
   return info;
 }
 constexpr CommandInfo with_tail(Tail tail, CommandInfo info) {
@@ -161,8 +156,8 @@ inline constexpr std::array<CommandInfo, kCommandCount> kCommands = [] {
     actuator(command(141, "play", "Play Song", 13, u8("slot", 0, 15))),
     command(142, "sensors", "Sensors", 13, u8("packet", 0, 42)),
     changes(ModeChange::to_passive, command(143, "cover_and_dock", "Cover and Dock", 8)),
-    actuator(reversed_in_text(command(144, "pwm_low_side_drivers", "PWM Low Side Drivers", 10, u8("driver_2", 0, 128), u8("driver_1", 0, 128), u8("driver_0", 0, 128)))),
-    actuator(reversed_in_text(command(145, "drive_direct", "Drive Direct", 9, s16("right", -kSpeed, kSpeed, Unit::mm_per_sec), s16("left", -kSpeed, kSpeed, Unit::mm_per_sec)))),
+    actuator(command(144, "pwm_low_side_drivers", "PWM Low Side Drivers", 10, u8("driver_2", 0, 128), u8("driver_1", 0, 128), u8("driver_0", 0, 128))),
+    actuator(command(145, "drive_direct", "Drive Direct", 9, s16("right", -kSpeed, kSpeed, Unit::mm_per_sec), s16("left", -kSpeed, kSpeed, Unit::mm_per_sec))),
     actuator(command(147, "digital_outputs", "Digital Outputs", 10, bits("outputs", 0b111))),
     with_tail(Tail::packet_ids, command(148, "stream", "Stream", 14, u8("count", 0, kMaxStreamPackets))),
     with_tail(Tail::packet_ids, command(149, "query_list", "Query List", 13, u8("count", 0, kMaxQueryPackets))),

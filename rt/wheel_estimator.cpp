@@ -115,7 +115,6 @@ void WheelEstimator::step(const WheelSpeeds& command, const std::optional<Readin
   if (!reading.has_value()) return;
   const bool believed = plausible(*reading);
   ticks_since_read_ = 0;
-  if (!believed) ++rejected_;
   if (!believed || reading_unsure_) {
     read_unseen();
     return;

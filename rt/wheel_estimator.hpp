@@ -78,8 +78,6 @@ class WheelEstimator {
   double log_likelihood() const CARGOBAY_NONBLOCKING {
     return log_odds_ > 0.0 ? carried_likelihood_ : lost_likelihood_;
   }
-  // Readings that no robot can produce, treated as unseen.
-  std::uint64_t rejected() const CARGOBAY_NONBLOCKING { return rejected_; }
   // Standard deviation that the filter itself states for one wheel's speed.
   double speed_sd_mm_s() const CARGOBAY_NONBLOCKING;
 
@@ -116,7 +114,6 @@ class WheelEstimator {
   double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;
   int ticks_since_read_ = 0;
-  std::uint64_t rejected_ = 0;
   int command_unsure_ = 0;       // ticks left
   int gone_through_ = 0;         // frames to come whose ticks step_lost() has counted
   bool reading_unsure_ = false;  // a read may have gone unseen: the next one says nothing
