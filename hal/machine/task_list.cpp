@@ -26,7 +26,7 @@ std::optional<Task> read_task(const fs::path& folder) {
   constexpr std::size_t kParent = 1;  // counted from the state, the first after the name
   constexpr std::size_t kTerminal = 4;
   constexpr std::size_t kFlags = 6;
-  constexpr std::size_t kPriority = 37;
+  constexpr std::size_t kPriorityWord = 37;
   constexpr unsigned long kKernelThread = 0x00200000;  // PF_KTHREAD
   std::ifstream file{folder / "stat", std::ios::binary};
   const std::string stat{std::istreambuf_iterator<char>{file}, {}};
@@ -35,12 +35,12 @@ std::optional<Task> read_task(const fs::path& folder) {
   if (open == std::string::npos || close == std::string::npos) return std::nullopt;
   std::istringstream fields{stat.substr(close + 1)};
   const std::vector<std::string> words{std::istream_iterator<std::string>{fields}, {}};
-  if (words.size() <= kPriority) return std::nullopt;
+  if (words.size() <= kPriorityWord) return std::nullopt;
   const auto id = number<pid_t>(folder.filename().string());
   const auto parent = number<pid_t>(words[kParent]);
   const auto terminal = number<long>(words[kTerminal]);
   const auto flags = number<unsigned long>(words[kFlags]);
-  const auto priority = number<long>(words[kPriority]);
+  const auto priority = number<long>(words[kPriorityWord]);
   if (!id || !parent || !terminal || !flags || !priority) return std::nullopt;
   return Task{.id = *id,
               .name = stat.substr(open + 1, close - open - 1),

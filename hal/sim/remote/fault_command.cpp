@@ -14,7 +14,7 @@ namespace {
 
 constexpr rt::Duration kUsbLatency = std::chrono::milliseconds{16};
 constexpr double kLongestMs = 3'600'000.0;
-constexpr int kMost = 1'000'000;
+constexpr int kMostCount = 1'000'000;
 constexpr std::string_view kText = "key-wakeup";
 
 rt::Duration milliseconds(double value) {
@@ -44,13 +44,13 @@ bool set_unplugged(bool unplugged, Cable& cable) {
 std::optional<std::uint32_t> count(std::string_view rest, std::uint32_t otherwise) {
   const std::string_view word = next_word(rest);
   if (word.empty()) return otherwise;
-  const std::optional<int> value = to_integer(word, 0, kMost);
+  const std::optional<int> value = to_integer(word, 0, kMostCount);
   if (!value || !no_more_words(rest)) return std::nullopt;
   return static_cast<std::uint32_t>(*value);
 }
 
 bool set_held(std::string_view rest, Cable& cable) {
-  const std::optional<int> every = to_integer(next_word(rest), 0, kMost);
+  const std::optional<int> every = to_integer(next_word(rest), 0, kMostCount);
   if (!every) return false;
   LineFaults& line = cable.faults_to_host();
   if (*every == 0 && no_more_words(rest)) {
@@ -72,7 +72,7 @@ bool set_burst(std::string_view rest, Cable& cable) {
 }
 
 bool set_wrong_baud(std::string_view rest, Cable& cable) {
-  const std::optional<int> baud = to_integer(next_word(rest), 0, kMost);
+  const std::optional<int> baud = to_integer(next_word(rest), 0, kMostCount);
   if (!baud || !no_more_words(rest)) return false;
   const auto rate = static_cast<std::uint32_t>(*baud);
   if (!oi::baud_code(rate)) return false;
