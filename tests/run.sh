@@ -81,16 +81,11 @@ background() {
   mv "$logs/$name.status.new" "$logs/$name.status"
 }
 
-# done_by WORKER NAME: waits until the worker has done it, or has died.
-done_by() {
-  while [[ ! -e $logs/$2.status ]] && kill -0 "$1" 2> /dev/null; do sleep 0.5; done
-}
-
-# await NAME [WORKER]: waits until the builder, or another worker, has done it, and counts it.
+# await NAME: waits until the builder has done it, and counts it.
 await() {
   local status seconds used
-  done_by "${2:-$builder}" "$1"
-  # No status, and nothing left that could write one: the worker died.
+  while [[ ! -e $logs/$1.status ]] && kill -0 "$builder" 2> /dev/null; do sleep 0.5; done
+  # No status, and nothing left that could write one: the builder died.
   read -r status seconds used 2> /dev/null < "$logs/$1.status" || status=1 seconds=0 used=0
   count "$1" "$status" "$seconds" "$used"
 }
@@ -181,18 +176,6 @@ build_and_check() {
   background c-api docs/c-api.sh --check
 }
 
-# The emulated machines, one after the other: each keeps one processor busy.
-run_machines() {
-  local suite
-  for suite in bookworm trixie; do
-    done_by "$builder" "pi-$suite-build"
-    background "pi-$suite" tests/pi/bring_up_test.py "$suite" build/dev/cargobay build/pi
-  done
-  done_by "$builder" package-arm64
-  background package-pi tests/pi/package_test.py "$(. /etc/os-release && echo "$VERSION_CODENAME")" \
-    build/pi build/packages
-}
-
 stage install .ci/packages.sh test || { finish; exit 1; }
 # The tests spend most of their time waiting for a robot. Meanwhile everything is built in the
 # background, by SCHED_IDLE: with the processor time that the tests leave. It is a process group of
@@ -201,16 +184,18 @@ rm -f "$logs"/*.status
 set -m
 (chrt --idle --pid 0 $BASHPID; build_and_check) &
 builder=$!
-workers=(-"$builder")
-trap 'kill -- "${workers[@]}" 2> /dev/null || true' EXIT
+set +m
+trap 'kill -- -"$builder" 2> /dev/null || true' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
 if await dev-build; then tests dev -LE '^pi$'; fi
-run_machines &
-machines=$!
-workers+=(-"$machines")
-set +m
+# An emulated machine needs a processor for itself, and leaves the other to the builder.
+for suite in bookworm trixie; do
+  if await "pi-$suite-build"; then
+    stage "pi-$suite" tests/pi/bring_up_test.py "$suite" build/dev/cargobay build/pi || true
+  fi
+done
 for preset in asan tsan rtsan; do
   if await "$preset-build"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
 done
@@ -219,6 +204,8 @@ as_root=()
 (($(id -u) == 0)) || as_root=(sudo -n)
 await "package-$native" || true
 stage package-use ${as_root[@]+"${as_root[@]}"} tests/install/package_test.sh build/packages || true
-for name in package-arm64 pi-{bookworm,trixie}-build armhf-build lint c-api; do await "$name" || true; done
-for name in pi-{bookworm,trixie} package-pi; do await "$name" "$machines" || true; done
+await package-arm64 || true
+stage package-pi tests/pi/package_test.py "$(. /etc/os-release && echo "$VERSION_CODENAME")" build/pi \
+  build/packages || true
+for name in armhf-build lint c-api; do await "$name" || true; done
 finish

@@ -12,8 +12,8 @@ constexpr std::array kSettings{
             .key = "port",
             .member = &Config::port,
             .meaning =
-                "Serial port of the robot; `cargobay ports` lists those available. A name that "
-                "stays the same however adapters are plugged in: /dev/serial/by-id/...",
+                "Serial port of the robot; `cargobay ports` lists those available. The links in "
+                "/dev/serial/by-id stay the same however adapters are plugged in",
             .left_out = "the robot is a virtual Create",
             .example = "\"/dev/ttyAMA0\""},
     Setting{.table = "",
@@ -118,8 +118,8 @@ constexpr std::array kSettings{
             .key = "priority",
             .member = &Config::priority,
             .range = kPriority,
-            .meaning = "SCHED_FIFO priority of the loop; its guard is 10 above it, at most 98",
-            .left_out = "80",
+            .meaning = "SCHED_FIFO priority of the loop",
+            .left_out = "80. Its guard has 10 more, at most 98",
             .example = "80"},
     Setting{.table = "realtime",
             .key = "cpu",

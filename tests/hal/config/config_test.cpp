@@ -129,8 +129,8 @@ TEST(ConfigFile, RefusesWhatNoRobotIs) {
     std::string unit{};
   };
   const std::vector<Row> rows{{"wheel_base_mm", kWheelBaseMm, "mm, not metres"},
-                              {"distance_scale", kScale, "1 where"},
-                              {"turn_scale", kScale, "1 where"},
+                              {"distance_scale", kScale, "1 if"},
+                              {"turn_scale", kScale, "1 if"},
                               {"lag_s", kLagS, "in seconds, not ms"},
                               {"acceleration_mm_s2", kAccelerationMmS2, "in mm/s^2, not m/s^2"},
                               {"jerk_mm_s3", kJerkMmS3, "in mm/s^3, not m/s^3"}};
