@@ -28,8 +28,8 @@ std::string contents_of(const char* path) {
 }
 
 bool writes_docs() {
-  return std::getenv("CARGOBAY_WRITE_DOCS") !=
-         nullptr;  // NOLINT(concurrency-mt-unsafe): one thread
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): one thread
+  return std::getenv("CARGOBAY_WRITE_DOCS") != nullptr;
 }
 
 std::string_view kind(const SettingMember& member) {
@@ -134,11 +134,12 @@ TEST(SettingsPage, OfTheManualIsNotStale) {
 }
 
 TEST(SettingsPage, OfTheExampleIsNotStale) {
-  expect_fresh(kExample,
-               {{"", "reported with its line.\n\n", "\n# Wires between"},
-                {"robot", "#line = 23\n#active_low = false\n#bias = \"pull_down\"\n\n", "\n#[realtime]"},
-                {"realtime", "\"carried\"\n\n", ""}},
-               &in_example);
+  expect_fresh(
+      kExample,
+      {{"", "reported with its line.\n\n", "\n# Wires between"},
+       {"robot", "#line = 23\n#active_low = false\n#bias = \"pull_down\"\n\n", "\n#[realtime]"},
+       {"realtime", "\"carried\"\n\n", ""}},
+      &in_example);
 }
 
 TEST(SettingsPage, SaysOfEachSettingAllThatUsersAsk) {

@@ -11,6 +11,8 @@
 namespace cargobay::hal::sim {
 namespace {
 
+constexpr double kStepMm = 4.0;  // between two looks
+
 constexpr double kHalfTurnRad = std::numbers::pi;
 
 // A base at the origin that looks along x, in a room without walls.
@@ -27,8 +29,9 @@ struct Believing {
   }
   void drive(double x_mm, double y_mm, double to_x_mm, double to_y_mm) {
     const double far_mm = std::hypot(to_x_mm - x_mm, to_y_mm - y_mm);
-    for (double gone_mm = 0.0; gone_mm < far_mm; gone_mm += 4.0) {
-      const double part = gone_mm / far_mm;
+    const int steps = static_cast<int>(std::ceil(far_mm / kStepMm));
+    for (int step = 0; step < steps; ++step) {
+      const double part = step * kStepMm / far_mm;
       const double at_x_mm = x_mm + part * (to_x_mm - x_mm);
       const double at_y_mm = y_mm + part * (to_y_mm - y_mm);
       belief.see(at_x_mm, at_y_mm, light(at_x_mm, at_y_mm));
@@ -87,8 +90,9 @@ TEST(BaseBelief, FollowsABaseThatIsMoved) {
   robot.drive(1000, -1200, 450, 600);
   const auto drives_beside = [&robot](double x_mm, double y_mm, double to_x_mm, double to_y_mm) {
     const double far_mm = std::hypot(to_x_mm - x_mm, to_y_mm - y_mm);
-    for (double gone_mm = 0.0; gone_mm < far_mm; gone_mm += 4.0) {
-      const double part = gone_mm / far_mm;
+    const int steps = static_cast<int>(std::ceil(far_mm / kStepMm));
+    for (int step = 0; step < steps; ++step) {
+      const double part = step * kStepMm / far_mm;
       const double at_x_mm = x_mm + part * (to_x_mm - x_mm);
       const double at_y_mm = y_mm + part * (to_y_mm - y_mm);
       robot.belief.see(at_x_mm + 400.0, at_y_mm, robot.light(at_x_mm, at_y_mm));
