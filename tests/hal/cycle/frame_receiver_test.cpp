@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "rt/unchecked.hpp"
+
 namespace cargobay::hal {
 namespace {
 
@@ -33,7 +35,9 @@ class FrameReceiverTest : public testing::Test {
     std::copy(bytes.begin(), bytes.end(), receiver_.room().begin());
     std::vector<std::optional<FrameList>> lists;
     receiver_.decode(bytes.size(), rt::TimePoint{at},
-                     [&](const oi::SensorValues&) { lists.push_back(receiver_.list()); });
+                     [&](const oi::SensorValues&) CARGOBAY_NONBLOCKING {
+                       rt::unchecked([&]() noexcept { lists.push_back(receiver_.list()); });
+                     });
     return lists;
   }
   FrameReceiver receiver_{15ms};
