@@ -37,7 +37,7 @@ class Outgoing {
   void add_drive(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
   void add_list(FrameList list) CARGOBAY_NONBLOCKING;
   // Completes whatever command the robot may have received the beginning of: as data, 0 is no
-  // speed; as an opcode, it is no command. At most kMostFill.
+  // speed; as an opcode, it does nothing. At most kMostFill.
   static constexpr std::size_t kMostFill = 160;
   void add_fill(std::size_t zeros) CARGOBAY_NONBLOCKING;
   // Safe or Full.

@@ -2,6 +2,8 @@
 // robot driving.
 #pragma once
 
+#include <cstdint>
+
 #include "rt/clock.hpp"
 #include "rt/nonblocking.hpp"
 #include "rt/setpoint_cell.hpp"
@@ -12,7 +14,7 @@ namespace cargobay::hal {
 // put() from any thread, everything else on the control thread. No allocation.
 class Setpoint {
  public:
-  enum class Age : unsigned char {
+  enum class Age : std::uint8_t {
     alive,
     lapses,  // at this call
     lapsed,  // or never set

@@ -21,7 +21,7 @@ enum class Parting : std::uint8_t {
 };
 
 // Completes any command that the robot may have received the beginning of. Sends `bytes` zeros: as
-// data, 0 is no speed; as an opcode, it is no command. False if the port did not take them.
+// data, 0 is no speed; as an opcode, it does nothing. False if the port did not take them.
 [[nodiscard]] bool complete_command(ByteStream& stream, std::size_t bytes);
 
 // What the robot may be in the middle of.
