@@ -7,27 +7,22 @@
 #include <unistd.h>
 
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "rt/kernel_file.hpp"
+
 namespace cargobay::rt {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string contents(const fs::path& path) {
-  std::ifstream file{path, std::ios::binary};
-  return {std::istreambuf_iterator<char>{file}, {}};
-}
-
 std::optional<std::int64_t> number(const fs::path& path) {
   std::int64_t value = 0;
-  std::istringstream text{contents(path)};
+  std::istringstream text{kernel_file(path)};
   if (text >> value) return value;
   return std::nullopt;  // "max" too
 }
@@ -51,7 +46,7 @@ struct Group {
 };
 std::vector<Group> groups(const fs::path& root) {
   std::vector<Group> found;
-  std::istringstream lines{contents(root / "proc/self/cgroup")};
+  std::istringstream lines{kernel_file(root / "proc/self/cgroup")};
   for (std::string line; std::getline(lines, line);) {
     const std::size_t first = line.find(':');
     const std::size_t second = line.find(':', first + 1);
@@ -130,7 +125,7 @@ Rights::Origin origin(const fs::path& root) {
 // user_namespaces(7): only the first namespace maps all numbers.
 bool is_namespaced(const fs::path& root) {
   constexpr std::uint64_t kAll = 4294967295;
-  std::istringstream map{contents(root / "proc/self/uid_map")};
+  std::istringstream map{kernel_file(root / "proc/self/uid_map")};
   std::uint64_t inside = 0;
   std::uint64_t outside = 0;
   std::uint64_t count = 0;
@@ -139,7 +134,7 @@ bool is_namespaced(const fs::path& root) {
 }
 
 bool is_filtered(const fs::path& root) {
-  const std::string status = contents(root / "proc/self/status");
+  const std::string status = kernel_file(root / "proc/self/status");
   return status.find("\nSeccomp:\t2") != std::string::npos;
 }
 

@@ -6,9 +6,7 @@
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -17,6 +15,7 @@
 #include "gpio/line.hpp"
 #include "hal/machine/task_list.hpp"
 #include "hal/port/port_users.hpp"
+#include "rt/kernel_file.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -29,8 +28,7 @@ constexpr int kLongestTimerMs = 2;
 constexpr int kLongestWakeUs = 100;  // from sleep: a hundredth of the period or less
 
 std::string contents(const fs::path& path) {
-  std::ifstream file{path, std::ios::binary};
-  std::string text{std::istreambuf_iterator<char>{file}, {}};
+  std::string text = rt::kernel_file(path);
   while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.pop_back();
   return text;
 }

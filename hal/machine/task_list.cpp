@@ -1,10 +1,11 @@
 #include "hal/machine/task_list.hpp"
 
 #include <charconv>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string_view>
+
+#include "rt/kernel_file.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -28,8 +29,7 @@ std::optional<Task> read_task(const fs::path& folder) {
   constexpr std::size_t kFlags = 6;
   constexpr std::size_t kPriorityWord = 37;
   constexpr unsigned long kKernelThread = 0x00200000;  // PF_KTHREAD
-  std::ifstream file{folder / "stat", std::ios::binary};
-  const std::string stat{std::istreambuf_iterator<char>{file}, {}};
+  const std::string stat = rt::kernel_file(folder / "stat");
   const std::size_t open = stat.find('(');
   const std::size_t close = stat.rfind(')');
   if (open == std::string::npos || close == std::string::npos) return std::nullopt;

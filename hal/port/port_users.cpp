@@ -9,8 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,19 +16,15 @@
 
 #include "hal/machine/task_list.hpp"
 #include "hal/port/pty_transport.hpp"
+#include "rt/kernel_file.hpp"
 
 namespace cargobay::hal {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file{path, std::ios::binary};
-  return {std::istreambuf_iterator<char>{file}, {}};
-}
-
 std::string first_line(const fs::path& path) {
-  const std::string text = text_of(path);
+  const std::string text = rt::kernel_file(path);
   return text.substr(0, text.find('\n'));
 }
 
@@ -85,7 +79,7 @@ bool may_be_terminal(std::string_view link) {
 
 // Whether descriptor `name` is the virtual Create's side (proc(5), fdinfo: tty-index).
 bool is_master(const Port& port, const fs::path& process, const std::string& name) {
-  std::istringstream lines{text_of(process / "fdinfo" / name)};
+  std::istringstream lines{rt::kernel_file(process / "fdinfo" / name)};
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("tty-index:"))
       return line.substr(line.find_last_of(" \t") + 1) == port.index();
@@ -118,7 +112,7 @@ Holding look(const Port& port, const fs::path& process) {
 // By flock(): proc(5), "1: FLOCK  ADVISORY  WRITE 412 00:06:93 0 EOF".
 std::vector<pid_t> lockers(const Port& port, const fs::path& proc) {
   std::vector<pid_t> found;
-  std::istringstream lines{text_of(proc / "locks")};
+  std::istringstream lines{rt::kernel_file(proc / "locks")};
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words{line};
     std::string number;
@@ -168,7 +162,7 @@ Kind kind_of(std::string_view name) {
 
 // "serial-getty@ttyAMA0.service"; empty if systemd did not start it as a service.
 std::string service_of(const fs::path& process) {
-  std::istringstream lines{text_of(process / "cgroup")};
+  std::istringstream lines{rt::kernel_file(process / "cgroup")};
   for (std::string line; std::getline(lines, line);) {
     const std::string last = line.substr(line.rfind('/') + 1);
     if (last.ends_with(".service")) return last;
@@ -189,7 +183,8 @@ std::string and_console(const std::string& service, const fs::path& root) {
 std::string no_login_prompt(const std::string& service, const fs::path& root) {
   if (service.find("getty") != std::string::npos)
     return "sudo systemctl disable --now " + service + and_console(service, root);
-  if (fs::exists(root / "run/systemd/system"))
+  std::error_code error;
+  if (fs::exists(root / "run/systemd/system", error))
     return "take the login prompt off it: sudo systemctl disable --now serial-getty@NAME.service, "
            "NAME being the port's, without /dev/";
   return "take its line out of /etc/inittab, then: sudo telinit q";

@@ -12,12 +12,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "rt/kernel_file.hpp"
 #include "tests/pty/command.hpp"
 #include "tests/pty/serial_client.hpp"
 
@@ -41,8 +41,7 @@ double monotonic_s() {
 
 // CPU time of a process: fields 14 and 15 of its stat, whose second field may contain blanks.
 double processor_s(pid_t process) {
-  std::ifstream file{"/proc/" + std::to_string(process) + "/stat"};
-  std::string text{std::istreambuf_iterator<char>{file}, {}};
+  const std::string text = rt::kernel_file("/proc/" + std::to_string(process) + "/stat");
   std::istringstream fields{text.substr(text.rfind(')') + 1)};
   std::string passed_over;
   for (int i = 3; i < 14; ++i) fields >> passed_over;

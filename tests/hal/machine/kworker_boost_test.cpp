@@ -67,6 +67,14 @@ class KworkerBoostTest : public testing::Test {
   std::vector<pid_t> lowered_;
 };
 
+// Its file opens, and reading it fails.
+TEST_F(KworkerBoostTest, PassesOverATaskThatEndsMeanwhile) {
+  std::filesystem::create_directories(proc_ / "25" / "stat");
+  KworkerBoost boost{79, proc_, scheduler()};
+  ASSERT_EQ(boost.start(), 0);
+  EXPECT_THAT(raised_, UnorderedElementsAre(21, 22));
+}
+
 TEST_F(KworkerBoostTest, RaisesTheOrdinaryOnesOfNoCpuAndLowersThemAgain) {
   KworkerBoost boost{79, proc_, scheduler()};
   ASSERT_EQ(boost.start(), 0);
