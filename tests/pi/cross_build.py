@@ -25,9 +25,11 @@ def run_quietly(command: list) -> None:
         sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout}")
 
 
-def cross_build(suite: Suite, name: str, folder: Path, targets: list[str]) -> tuple[Path, Path]:
+def cross_build(
+    suite: Suite, name: str, folder: Path, targets: list[str], optimise: str = "-O1"
+) -> tuple[Path, Path]:
     """The user space of that Debian, and the folder with what was built for it."""
-    root, target = folder / "root", folder / "build"
+    root, target = folder / "root", folder / f"build{optimise}"
     if not root.exists():
         part = folder / "root.part"
         shutil.rmtree(part, ignore_errors=True)
@@ -38,7 +40,8 @@ def cross_build(suite: Suite, name: str, folder: Path, targets: list[str]) -> tu
     run_quietly(
         ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
          f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
-         "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON", "-DCARGOBAY_WERROR=ON"]
+         "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_FLAGS_RELEASE={optimise} -DNDEBUG",
+         "-DCMAKE_UNITY_BUILD=ON", "-DCARGOBAY_WERROR=ON"]
     )  # fmt: skip
     run_quietly(["cmake", "--build", target, "--target", *targets])
     return root, target

@@ -64,7 +64,7 @@ def main() -> int:
     here.mkdir(parents=True, exist_ok=True)
     suite = Suite(SUITE, cache)
     kernel, _ = unpack_kernel(suite, folder / "kernel")
-    root, built = cross_build.cross_build(suite, SUITE, here, ["cycle_cost"])
+    root, built = cross_build.cross_build(suite, SUITE, here, ["cycle_cost"], "-O3")
     init = INIT.format(kinds=" ".join(KINDS), parts=" ".join(PARTS), frames=FRAMES)
     initramfs = make_initramfs(here / "cycle_cost", root, [built / "tests/cycle_cost"], init)
     text = run(kernel, initramfs)
