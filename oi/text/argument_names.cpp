@@ -194,7 +194,7 @@ void write_choice(TextWriter& out, const ArgumentInfo& argument) {
       out.put_number(bit.value);
       out.put(")");
     }
-    return out.put(" with commas between, or their sum");
+    return out.put(" separated by commas, or their sum");
   }
   out.put_number(argument.min);
   out.put(" to ");

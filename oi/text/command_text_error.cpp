@@ -57,7 +57,7 @@ void write_about_argument(TextWriter& out, const TextError& error, std::string_v
     case Code::missing_argument: out.put(" is missing"); break;
     case Code::out_of_range: out.put(" is out of range"); break;
     default:
-      out.put(value_names(argument).empty() ? " is no number"
+      out.put(value_names(argument).empty() ? " is not a number"
                                             : " is neither a number nor a name it knows");
       break;
   }
@@ -94,7 +94,7 @@ void write_limit(TextWriter& out, std::string_view before, const TextError& erro
 
 void write_unknown(TextWriter& out, const TextError& error, std::string_view word) {
   write_word(out, word);
-  out.put(" is no command");
+  out.put(" is not a command");
   if (error.hint.empty()) return;
   out.put("; did you mean '");
   out.put(error.hint);
@@ -114,18 +114,18 @@ void write_what(TextWriter& out, const TextError& error, std::string_view word) 
     case Code::extra_argument: return write_extra(out, error, word);
     case Code::bad_note:
       write_word(out, word);
-      return out.put(" is no note; write note:duration, such as 60:32, c4:32 or rest:16");
+      return out.put(" is not a note; write note:duration, such as 60:32, c4:32 or rest:16");
     case Code::too_many:
       return write_limit(out, "more than ", error,
                          error.command->tail == Tail::notes ? " notes" : " packets");
     case Code::no_script:
-      return out.put("its commands stand in braces: script { drive 300 straight; drive 0 0 }");
+      return out.put("its commands go in braces: script { drive 300 straight; drive 0 0 }");
     case Code::open_script: return out.put("this brace is not closed");
-    case Code::stray_brace: return out.put("a brace has no place here; only a script has braces");
+    case Code::stray_brace: return out.put("a brace is not allowed here; only a script has braces");
     case Code::nested_script: return out.put("a script cannot hold a script");
     case Code::script_too_long:
       return write_limit(out, "from here on it is longer than ", error, " bytes");
-    case Code::bytes_outside: return out.put("'bytes' stands in a script only");
+    case Code::bytes_outside: return out.put("'bytes' is allowed in a script only");
     case Code::output_full:
       return write_limit(out, "the commands make more than ", error, " bytes");
   }

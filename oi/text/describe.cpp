@@ -89,7 +89,7 @@ class CommandDescriber {
   void unknown(std::uint8_t opcode) {
     TextWriter& out = tell_.words();
     out.put_number(opcode);
-    out.put(" is no command; the robot ignores it");
+    out.put(" is not a command; the robot ignores it");
     tell_.tell(Kind::unknown_opcode, at_++, 1, false);
   }
 

@@ -145,14 +145,14 @@ class StreamDescriber {
     const bool including = checksum_matches(frame, Checksum::including_header);
     const bool excluding = checksum_matches(frame, Checksum::excluding_header);
     if (including) {
-      out.put("checksum, right with the header counted in, as robots send it");
+      out.put("checksum, right with the header counted, as robots send it");
     } else if (excluding) {
       out.put("checksum, right without the header, as the manual has it");
     } else {
       const Bytes summed = frame.first(frame.size() - 1);
       out.put("wrong checksum: ");
       out.put_hex(checksum_of(summed, Checksum::including_header));
-      out.put(" would be right with the header counted in, ");
+      out.put(" would be right with the header counted, ");
       out.put_hex(checksum_of(summed, Checksum::excluding_header));
       out.put(" without");
     }
@@ -219,7 +219,7 @@ class StreamDescriber {
     do {
       ++at_;
     } while (at_ < bytes_.size() && text_length() == 0 && !frame_begins());
-    tell_.words().put("in no frame");
+    tell_.words().put("outside any frame");
     tell_.tell(Kind::stray, begin, at_ - begin, false);
   }
   // Length of the line of text that begins here; 0 if it is too short to be meant as text.

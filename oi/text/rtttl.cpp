@@ -197,14 +197,14 @@ class RtttlReader {
 std::string_view message(RtttlError::What what) {
   switch (what) {
     case What::no_name: return "a ring tone is name:defaults:notes, with two colons";
-    case What::bad_default: return "defaults are d=, o= and b=, with commas between them";
+    case What::bad_default: return "defaults are d=, o= and b=, separated by commas";
     case What::bad_default_value:
       return "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is 1 to 900, s is n, c or s";
     case What::bad_duration: return "a duration is 1, 2, 4, 8, 16, 32 or 64";
     case What::bad_note: return "a note is a to h, or p for a rest";
     case What::second_dot: return "a note has one dot, before or after its octave";
     case What::out_of_range: return "out of range: the robot plays g1 to g9";
-    case What::unexpected: return "a comma stands between two notes";
+    case What::unexpected: return "notes are separated by commas";
     case What::no_notes: return "there are no notes";
     case What::too_many_notes: return "too long: sixteen songs of sixteen notes hold 256";
   }

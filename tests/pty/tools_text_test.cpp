@@ -66,7 +66,7 @@ TEST(EncodeTool, PointsAtWhatIsWrong) {
             "  safe; drive 600 0\n"
             "              ^^^\n");
   EXPECT_EQ(encode({}, "safe\n\tdrvie 1 2\n").error,
-            "cargobay: error: line 2, column 2: 'drvie' is no command; did you mean 'drive'?\n"
+            "cargobay: error: line 2, column 2: 'drvie' is not a command; did you mean 'drive'?\n"
             "   drvie 1 2\n"
             "   ^^^^^\n");
 }
@@ -117,7 +117,7 @@ TEST(DecodeTool, TakesTheSideThatIsAskedFor) {
   EXPECT_THAT(outcome.out, HasSubstr("! in no frame"));
   EXPECT_THAT(outcome.error, testing::Not(HasSubstr("read as")));
   EXPECT_EQ(decode({"--from", "stream", "89", "ff"}).out, outcome.out);
-  EXPECT_THAT(decode({"--from", "command", "13"}).out, HasSubstr("19 is no command"));
+  EXPECT_THAT(decode({"--from", "command", "13"}).out, HasSubstr("19 is not a command"));
   EXPECT_NE(decode({"--from", "nobody", "13"}).code, 0);
 }
 

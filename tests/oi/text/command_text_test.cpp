@@ -159,7 +159,7 @@ TEST(EncodeText, SeparatesCommandsBySemicolonsAndLines) {
 TEST(EncodeText, PassesOverComments) {
   EXPECT_EQ(bytes_of("# first\nsafe # then\n#\nfull"), (Bytes{131, 132}));
   EXPECT_EQ(bytes_of("script { safe # half of it } ; full\n full }"), (Bytes{152, 2, 131, 132}));
-  EXPECT_THAT(error_of("send_ir 1#2"), HasSubstr("byte '1#2' is no number"))
+  EXPECT_THAT(error_of("send_ir 1#2"), HasSubstr("byte '1#2' is not a number"))
       << "a comment begins at the beginning of a word";
 }
 
@@ -178,7 +178,7 @@ TEST(EncodeText, TakesAScriptOfExactlyAHundredBytes) {
 
 TEST(EncodeText, TakesRawBytesInAScript) {
   EXPECT_EQ(bytes_of("script { bytes 137 0x1 }"), (Bytes{152, 2, 137, 1}));
-  EXPECT_EQ(error_of("bytes 1"), "column 1: 'bytes' stands in a script only");
+  EXPECT_EQ(error_of("bytes 1"), "column 1: 'bytes' is allowed in a script only");
   EXPECT_EQ(error_of("script { bytes }"), "column 16: script: byte is missing; it is 0 to 255");
   EXPECT_EQ(error_of("script { bytes 256 }"),
             "column 16: script: byte '256' is out of range; it is 0 to 255");
@@ -218,8 +218,8 @@ TEST(EncodeText, NamesArgumentRangeAndUnit) {
       "column 12: wait_event: event '0' is out of range; it is -22 to 22 but not 0, or a name "
       "such as front_left_cliff");
   EXPECT_EQ(error_of("leds 1 0 0"),
-            "column 6: leds: leds '1' is out of range; it is none, or play (2), advance (8) with "
-            "commas between, or their sum");
+            "column 6: leds: leds '1' is out of range; it is none, or play (2), advance (8) "
+            "separated by commas, or their sum");
   EXPECT_EQ(error_of("baud 9601"),
             "column 6: baud: code '9601' is out of range; it is 0 to 11, or 300, 600, 1200, 2400, "
             "4800, 9600, 14400, 19200, 28800, 38400, 57600 or 115200");
@@ -239,14 +239,14 @@ TEST(EncodeText, NamesTheLineWhereThereAreSeveral) {
   EXPECT_EQ(error_of("safe\n  drive 600 0\n"),
             "line 2, column 9: drive: velocity '600' is out of range; it is -500 to 500 mm/s");
   EXPECT_EQ(error_of("script {\n  drive 1 2\n  drvie\n}"),
-            "line 3, column 3: 'drvie' is no command; did you mean 'drive'?");
+            "line 3, column 3: 'drvie' is not a command; did you mean 'drive'?");
   EXPECT_THAT(error_of("\n}"), HasSubstr("line 2, column 1: "));
   EXPECT_THAT(error_of("safe 1\n"), HasSubstr("line 1, column 6: "));
 }
 
 TEST(EncodeText, SuggestsACommand) {
   const auto unknown = [](std::string_view word) {
-    return "column 1: '" + std::string{word} + "' is no command";
+    return "column 1: '" + std::string{word} + "' is not a command";
   };
   for (const auto& [word, meant] : std::initializer_list<std::pair<std::string_view, std::string>>{
            {"drvie", "drive"},
@@ -278,9 +278,9 @@ TEST(EncodeText, SuggestsAName) {
 
 TEST(EncodeText, RefusesWhatIsNoNumber) {
   EXPECT_EQ(error_of("drive fast 0"),
-            "column 7: drive: velocity 'fast' is no number; it is -500 to 500 mm/s");
+            "column 7: drive: velocity 'fast' is not a number; it is -500 to 500 mm/s");
   for (const std::string_view word : {"1x", "0x", "--1", "-", "1.5", "+", "1e2", "0x1g", "_"})
-    EXPECT_THAT(error_of("send_ir " + std::string{word}), HasSubstr("is no number")) << word;
+    EXPECT_THAT(error_of("send_ir " + std::string{word}), HasSubstr("is not a number")) << word;
   EXPECT_THAT(error_of("stream 29,,13"),
               HasSubstr("column 11: stream: packet '' is neither a number"));
   EXPECT_THAT(error_of("leds play, 0 0"), HasSubstr("leds 'play,' is neither"));
@@ -314,7 +314,7 @@ TEST(EncodeText, RefusesTooFewAndTooManyArguments) {
 TEST(EncodeText, CountsNotesAndPackets) {
   EXPECT_EQ(
       error_of("song 1 60"),
-      "column 8: song: '60' is no note; write note:duration, such as 60:32, c4:32 or rest:16");
+      "column 8: song: '60' is not a note; write note:duration, such as 60:32, c4:32 or rest:16");
   EXPECT_THAT(error_of("song 1 h4:8"), HasSubstr("'h4'"));
   EXPECT_THAT(error_of("song 1 f#1:8"), HasSubstr("'f#1'")) << "below what the robot sounds";
   const auto repeated = [](std::string text, std::string_view word, int times) {
@@ -331,12 +331,12 @@ TEST(EncodeText, CountsNotesAndPackets) {
 }
 
 TEST(EncodeText, KeepsBracesToScripts) {
-  EXPECT_EQ(error_of("script 1 2"),
-            "column 8: script: its commands stand in braces: script { drive 300 straight; drive 0 "
-            "0 }");
+  EXPECT_EQ(
+      error_of("script 1 2"),
+      "column 8: script: its commands go in braces: script { drive 300 straight; drive 0 0 }");
   EXPECT_EQ(error_of("script { safe"), "column 8: script: this brace is not closed");
   EXPECT_EQ(error_of("script { script { } }"), "column 10: script: a script cannot hold a script");
-  constexpr std::string_view kStray = "a brace has no place here; only a script has braces";
+  constexpr std::string_view kStray = "a brace is not allowed here; only a script has braces";
   EXPECT_EQ(error_of("}"), "column 1: " + std::string{kStray});
   EXPECT_EQ(error_of("safe { }"), "column 6: safe: " + std::string{kStray});
   EXPECT_EQ(error_of("script { } }"), "column 12: " + std::string{kStray});

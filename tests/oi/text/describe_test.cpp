@@ -124,7 +124,7 @@ TEST(DescribeCommands, LooksIntoScripts) {
 
 TEST(DescribeCommands, MarksWhatTheManualDoesNotHave) {
   EXPECT_EQ(commands({7, 131}).lines,
-            "0+1 ! 7 is no command; the robot ignores it\n1+1 Safe (OI p. 7)\n1+1 safe\n");
+            "0+1 ! 7 is not a command; the robot ignores it\n1+1 Safe (OI p. 7)\n1+1 safe\n");
   const Text drive = commands({137, 2, 88, 0, 0, 131});
   EXPECT_EQ(drive.lines,
             "0+1 Drive (OI p. 9)\n"
@@ -161,7 +161,7 @@ TEST(DescribeCommands, AnswersForAllOpcodes) {
     const auto byte = static_cast<std::uint8_t>(opcode);
     const CommandInfo* info = find_command(byte);
     const std::string lines = commands({byte}).lines;
-    EXPECT_THAT(lines, HasSubstr(info == nullptr ? "is no command" : std::string{info->name}));
+    EXPECT_THAT(lines, HasSubstr(info == nullptr ? "is not a command" : std::string{info->name}));
   }
 }
 
@@ -175,14 +175,14 @@ TEST(DescribeStream, SaysWhatEachByteMeans) {
             "6+1 virtual_wall 0\n"
             "7+1 checksum, right without the header, as the manual has it\n");
   EXPECT_THAT(stream({19, 5, 29, 2, 25, 13, 0, 163}).lines,
-              HasSubstr("7+1 checksum, right with the header counted in, as robots send it\n"));
+              HasSubstr("7+1 checksum, right with the header counted, as robots send it\n"));
 }
 
 TEST(DescribeStream, SaysWhatTheChecksumShouldBe) {
   const Text text = stream({19, 5, 29, 2, 25, 13, 0, 0});
-  EXPECT_THAT(text.lines,
-              HasSubstr("7+1 ! wrong checksum: a3 would be right with the header counted "
-                        "in, b6 without\n"));
+  EXPECT_THAT(
+      text.lines,
+      HasSubstr("7+1 ! wrong checksum: a3 would be right with the header counted, b6 without\n"));
   EXPECT_EQ(text.described.unsound, 1U);
 }
 
@@ -206,7 +206,7 @@ TEST(DescribeStream, TellsTextFromDamage) {
             "24+1 2 bytes up to the checksum\n"
             "25+1 packet 35 OI Mode\n"
             "26+1 oi_mode 2 (safe)\n"
-            "27+1 checksum, right with the header counted in, as robots send it\n"
+            "27+1 checksum, right with the header counted, as robots send it\n"
             "28+1 ! in no frame\n");
 }
 

@@ -126,14 +126,14 @@ struct Wrong {
 
 TEST(Rtttl, SaysWhereAndWhatIsWrong) {
   const std::string no_name = "a ring tone is name:defaults:notes, with two colons";
-  const std::string defaults = "defaults are d=, o= and b=, with commas between them";
+  const std::string defaults = "defaults are d=, o= and b=, separated by commas";
   const std::string value =
       "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is 1 to 900, s is n, c or s";
   const std::string division = "a duration is 1, 2, 4, 8, 16, 32 or 64";
   const std::string letter = "a note is a to h, or p for a rest";
   const std::string dot = "a note has one dot, before or after its octave";
   const std::string range = "out of range: the robot plays g1 to g9";
-  const std::string comma = "a comma stands between two notes";
+  const std::string comma = "notes are separated by commas";
   const std::string none = "there are no notes";
   const std::vector<Wrong> all{
       {"", "column 1: " + no_name},
@@ -188,7 +188,7 @@ TEST(Rtttl, SaysWhereAndWhatIsWrong) {
 }
 
 TEST(Rtttl, TakesNulForNothingSpecial) {
-  EXPECT_EQ(read(std::string_view{"t::c\0", 5}), "column 5: a comma stands between two notes");
+  EXPECT_EQ(read(std::string_view{"t::c\0", 5}), "column 5: notes are separated by commas");
   EXPECT_EQ(read(std::string_view{"t::c,\0", 6}), "column 6: a note is a to h, or p for a rest");
 }
 

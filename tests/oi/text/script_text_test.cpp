@@ -143,7 +143,7 @@ struct Wrong {
 TEST(ScriptText, SaysWhereAndWhatIsWrong) {
   const std::vector<Wrong> all{
       {"drive 300 straight\n\nwait_angel 90\n", 3, 1,
-       "line 3, column 1: 'wait_angel' is no command; did you mean 'wait_angle'?"},
+       "line 3, column 1: 'wait_angel' is not a command; did you mean 'wait_angle'?"},
       {"# far\ndrive 300 straight; drive 501 0", 2, 27,
        "line 2, column 27: drive: velocity '501' is out of range; it is -500 to 500 mm/s"},
       {"drive_direct 0 -501", 1, 16,
@@ -157,7 +157,7 @@ TEST(ScriptText, SaysWhereAndWhatIsWrong) {
        "line 2, column 1: a script cannot hold a script"},
       {"script", 1, 1, "column 1: a script cannot hold a script"},
       {"drive 300 straight; }", 1, 21,
-       "column 21: a brace has no place here; only a script has braces"},
+       "column 21: a brace is not allowed here; only a script has braces"},
       {"bytes", 1, 1, "column 1: bytes are numbers, 0 to 255"},
       {"play_script\n bytes; bytes 1", 2, 2, "line 2, column 2: bytes are numbers, 0 to 255"},
       {"bytes 1 256", 1, 9, "column 9: bytes are numbers, 0 to 255"},
@@ -218,7 +218,7 @@ TEST(ScriptText, CountsLinesOfBytesLikeOthers) {
 
 TEST(ScriptText, AMistakeComesBeforeTheLength) {
   EXPECT_EQ(complaint(lines(30, "drive_direct 0 0") + "dive"),
-            "line 31, column 1: 'dive' is no command; did you mean 'drive'?");
+            "line 31, column 1: 'dive' is not a command; did you mean 'drive'?");
 }
 
 TEST(ScriptText, AQueryListLongerThanAnyScriptIsTooLong) {
