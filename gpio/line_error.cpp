@@ -16,7 +16,7 @@ std::string permission_remedy(const std::string& group) {
   if (!group.empty() && group != "root") {
     return "join the group " + group + " (sudo adduser $USER " + group + ") and log in again";
   }
-  return "let a group have it with the udev rule SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", "
+  return "give a group access with the udev rule SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", "
          "GROUP=\"dialout\", MODE=\"0660\" in /etc/udev/rules.d/60-gpio.rules, then: sudo udevadm "
          "trigger";
 }
@@ -32,19 +32,19 @@ std::string explain(const LineError& error) {
       return "cannot use " + line + ": this machine has no GPIO chip (/dev/gpiochip*)";
     case LineError::Kind::no_such_chip:
       return "no GPIO chip has the label or name " + address.chip +
-             "; there is: " + listed(error.candidates);
+             "; available: " + listed(error.candidates);
     case LineError::Kind::ambiguous_chip:
       return "several GPIO chips have the label " + address.chip +
              "; name one of them: " + listed(error.candidates);
     case LineError::Kind::no_such_line:
-      return "no " + line + "; there is: " + listed(error.candidates) +
+      return "no " + line + "; available: " + listed(error.candidates) +
              "; list the lines with: cargobay pins";
     case LineError::Kind::ambiguous_line:
       return "several GPIO lines are called " + address.line +
              "; give chip and offset of one of them: " + listed(error.candidates);
     case LineError::Kind::busy:
       return line + " is in use by " +
-             (error.holder.empty() ? "somebody the kernel has no name for" : error.holder) +
+             (error.holder.empty() ? "a process that the kernel does not name" : error.holder) +
              "; end that program, or choose another line";
     case LineError::Kind::no_permission:
       return "no permission to use " + error.path + "; " + permission_remedy(error.group);

@@ -45,7 +45,7 @@ std::string remedy(const Rights& rights, const Remedy& words) {
     case Origin::login: break;
   }
   return "run as root, grant CAP_" + capability + ", or set '" + words.login +
-         "' in /etc/security/limits.d, which counts from the next login";
+         "' in /etc/security/limits.d, which takes effect at the next login";
 }
 
 std::string fifo_remedy(const Rights& rights, int priority) {
@@ -91,7 +91,7 @@ std::string lock_limit(const Rights& rights) {
 std::string explain_stack(const Rights& rights, int error) {
   // mmap(2): EAGAIN is returned for locked memory only.
   if (error == EAGAIN) {
-    return ", because the program locks all its memory to come (MCL_FUTURE)" + lock_limit(rights) +
+    return ", because the program locks all its future memory (MCL_FUTURE)" + lock_limit(rights) +
            ": " + memory_remedy(rights) + "; or leave MCL_FUTURE to the library";
   }
   return ": free some memory, or raise the limit of the address space (ulimit -v)";
@@ -100,7 +100,7 @@ std::string explain_stack(const Rights& rights, int error) {
 std::string explain_thread(const Rights& rights) {
   if (!rights.task_limit) return ": allow more of them (ulimit -u)";
   const std::string what =
-      ", the control group has its most, " + std::to_string(*rights.task_limit) + " tasks: ";
+      ", the control group is at its limit of " + std::to_string(*rights.task_limit) + " tasks: ";
   if (rights.origin == Origin::container)
     return what + "start the container with a higher --pids-limit";
   return what + "raise TasksMax= in the unit (systemctl edit), or end other programs of it";
@@ -110,7 +110,7 @@ std::string explain_dma_latency(const Rights& rights, int error, const std::stri
   constexpr const char* kDevice = "/dev/cpu_dma_latency";
   if (error != ENOENT) {
     return kDevice + (" refused" + why) +
-           ": run as root or give your group write access to it by a udev rule";
+           ": run as root or give your group write access to it with a udev rule";
   }
   return std::string{kDevice} + " is not there, and the CPU may sleep deeply between frames: " +
          (rights.origin == Origin::container
@@ -132,12 +132,12 @@ std::string explain(const Refusal& refusal, const Rights& rights) {
       return "only the loop's own memory is locked" + lock_limit(rights) + ": " +
              memory_remedy(rights);
     case Refusal::Right::affinity:
-      return "the wanted CPU refused" + why +
+      return "the requested CPU refused" + why +
              ": choose one that is online (lscpu) and allowed (taskset -p)";
     case Refusal::Right::dma_latency: return explain_dma_latency(rights, refusal.error, why);
     case Refusal::Right::stack:
       return "no memory for a thread's stack" + why + explain_stack(rights, refusal.error);
-    case Refusal::Right::thread: return "no thread could be made" + why + explain_thread(rights);
+    case Refusal::Right::thread: return "no thread could be created" + why + explain_thread(rights);
   }
   return why;
 }

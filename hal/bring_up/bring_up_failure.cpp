@@ -44,7 +44,7 @@ std::string no_answer(const BringUpFailure& why) {
   }
   if (why.charging) {
     return "the robot is silent at " + rates(heard) + tried(why) +
-           ", and charging by its pin 13; press its power button, and check TX and RX";
+           ", and charging according to its pin 13; press its power button, and check TX and RX";
   }
   const auto noise =
       std::ranges::max_element(heard, {}, [](const HeardAt& at) { return at.heard.bytes; });
@@ -57,7 +57,7 @@ std::string no_answer(const BringUpFailure& why) {
   }
   return "the robot is silent at " + rates(heard) + tried(why) +
          "; is it switched on, its battery charged, and are TX and RX the right way round, behind "
-         "a level shifter? A robot that waits in a script is deaf: switch it off and on";
+         "a level shifter? A robot waiting in a script is deaf: switch it off and on";
 }
 
 std::string text(const BringUpFailure& why) {

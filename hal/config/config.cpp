@@ -56,7 +56,7 @@ class Reader {
 Key text_key(std::string_view name, std::string& target) {
   return {name, [&target](const toml::node& node) -> Complaint {
             const auto* text = node.as_string();
-            if (text == nullptr) return "is a text in quotes";
+            if (text == nullptr) return "must be text in quotes";
             target = text->get();
             return std::nullopt;
           }};
@@ -65,7 +65,7 @@ Key text_key(std::string_view name, std::string& target) {
 Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
   return {name, [set](const toml::node& node) -> Complaint {
             const auto* flag = node.as_boolean();
-            if (flag == nullptr) return "is true or false";
+            if (flag == nullptr) return "must be true or false";
             set(flag->get());
             return std::nullopt;
           }};
@@ -79,7 +79,7 @@ struct TakeSetting {
 
   Complaint operator()(std::string Config::* member) const {
     const auto* text = node.as_string();
-    if (text == nullptr) return "is a text in quotes";
+    if (text == nullptr) return "must be text in quotes";
     config.*member = text->get();
     return std::nullopt;
   }
@@ -88,7 +88,7 @@ struct TakeSetting {
     const bool fits = number != nullptr && number->get() >= 0 &&
                       number->get() <= std::numeric_limits<std::int32_t>::max();
     const auto baud = fits ? static_cast<std::uint32_t>(number->get()) : 0U;
-    if (!oi::baud_code(baud)) return "is a rate of the robot's, such as 57600 or 19200";
+    if (!oi::baud_code(baud)) return "must be one of the robot's rates, such as 57600 or 19200";
     config.*member = baud;
     return std::nullopt;
   }
@@ -97,7 +97,7 @@ struct TakeSetting {
     const Range range = setting.range.value_or(Range{});
     if (!number || !range.contains(*number)) {
       const std::string unit = setting.unit.empty() ? "" : "in " + std::string{setting.unit} + ", ";
-      return "is a number from " + range.words() + ", " + unit + std::string{setting.not_unit};
+      return "must be a number from " + range.words() + ", " + unit + std::string{setting.not_unit};
     }
     config.*member = number;
     return std::nullopt;
@@ -106,19 +106,19 @@ struct TakeSetting {
     const auto* number = node.as_integer();
     const Range range = setting.range.value_or(Range{});
     if (number == nullptr || !range.contains(static_cast<double>(number->get())))
-      return "is a whole number from " + range.words();
+      return "must be a whole number from " + range.words();
     config.*member = static_cast<int>(number->get());
     return std::nullopt;
   }
   Complaint operator()(std::optional<rt::Remainder> Config::* member) const {
     const std::string text = node.value<std::string>().value_or("");
-    if (text != "carried" && text != "lost") return "is \"carried\" or \"lost\"";
+    if (text != "carried" && text != "lost") return "must be \"carried\" or \"lost\"";
     config.*member = text == "lost" ? rt::Remainder::lost : rt::Remainder::carried;
     return std::nullopt;
   }
   Complaint operator()(bool Config::* member) const {
     const auto* flag = node.as_boolean();
-    if (flag == nullptr) return "is true or false";
+    if (flag == nullptr) return "must be true or false";
     config.*member = flag->get();
     return std::nullopt;
   }
@@ -132,7 +132,7 @@ Key line_key(std::string& target) {
             }
             const auto* name = node.as_string();
             if (name == nullptr || name->get().empty())
-              return "is the line's offset, or its name in quotes";
+              return "must be the line's offset, or its name in quotes";
             target = name->get();
             return std::nullopt;
           }};
@@ -150,7 +150,7 @@ Key bias_key(gpio::Bias& target) {
             } else if (text == "pull_down") {
               target = gpio::Bias::pull_down;
             } else {
-              return "is \"as_is\", \"disabled\", \"pull_up\" or \"pull_down\"";
+              return "must be \"as_is\", \"disabled\", \"pull_up\" or \"pull_down\"";
             }
             return std::nullopt;
           }};
@@ -173,9 +173,9 @@ std::optional<Failure> Reader::take(const toml::table& table, std::span<const Ke
     if (found == nullptr) {
       std::string list;
       for (const Key& key : keys) list += (list.empty() ? "" : ", ") + std::string{key.name};
-      return at(name.source(), "no key is called " + std::string{name.str()} +
+      return at(name.source(), "unknown key " + std::string{name.str()} +
                                    (nearest.name().empty()
-                                        ? "; there are: " + list
+                                        ? "; the keys are: " + list
                                         : "; did you mean " + std::string{nearest.name()} + "?"));
     }
     const Complaint wrong = found->take(node);
@@ -188,7 +188,7 @@ std::optional<Failure> Reader::take(const toml::table& table, std::span<const Ke
 Key Reader::table(std::string_view name, const std::function<std::vector<Key>()>& keys) {
   return {name, [this, keys](const toml::node& node) -> Complaint {
             const toml::table* inside = node.as_table();
-            if (inside == nullptr) return "is a table, with keys of its own";
+            if (inside == nullptr) return "must be a table, with keys of its own";
             inner_ = take(*inside, keys());
             return std::nullopt;
           }};
@@ -259,7 +259,7 @@ std::optional<Failure> read_config(std::string_view text, const std::string& fil
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
     return Failure{file + ":" + std::to_string(error.source().begin.line) +
-                   ": no TOML: " + std::string{error.description()}};
+                   ": not TOML: " + std::string{error.description()}};
   }
   return Reader{file, config}.read(parsed.table());
 }

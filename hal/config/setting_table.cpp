@@ -68,7 +68,7 @@ constexpr std::array kSettings{
             .range = kLagS,
             .unit = "seconds",
             .not_unit = "not ms",
-            .meaning = "Time in which a wheel comes within 37 % of a new speed",
+            .meaning = "Time a wheel takes to come within 37 % of a new speed",
             .left_out = "0.1",
             .example = "0.1",
             .apply =
@@ -82,7 +82,7 @@ constexpr std::array kSettings{
             .range = kAccelerationMmS2,
             .unit = "mm/s^2",
             .not_unit = "not m/s^2",
-            .meaning = "Greatest acceleration of a wheel",
+            .meaning = "Maximum acceleration of a wheel",
             .left_out = "1000",
             .example = "1000",
             .apply =
@@ -105,9 +105,8 @@ constexpr std::array kSettings{
     Setting{.table = "robot",
             .key = "remainder",
             .member = &Config::remainder,
-            .meaning =
-                "What a reading of distance and angle does to the fraction of a millimetre or "
-                "degree that it leaves: \"carried\" or \"lost\"",
+            .meaning = "What reading distance and angle does to the fraction of a millimetre or "
+                       "degree that it leaves: \"carried\" or \"lost\"",
             .left_out = "found out while the robot drives",
             .example = "\"carried\"",
             .apply =

@@ -163,7 +163,7 @@ std::optional<Finding> deep_sleep(const Examination& examination, const fs::path
       deep.insert(contents(state / "name") + " (" + std::to_string(*latency) + " us)");
   }
   if (deep.empty()) return std::nullopt;
-  return Finding{"idle", Verdict::advice, "the CPU may sleep so deeply: " + joined(deep),
+  return Finding{"idle", Verdict::advice, "the CPU may sleep this deeply: " + joined(deep),
                  "see the line about /dev/cpu_dma_latency; or boot with cpuidle.off=1"};
 }
 
@@ -216,11 +216,11 @@ Finding kworkers(const fs::path& root, const std::vector<Task>& programs) {
   if (cpus > 1) {
     return {"kworkers", Verdict::good,
             "of " + std::to_string(cpus) +
-                " CPUs one can be left to the kworkers that hand over the port's bytes"};
+                " CPUs, one can be left to the kworkers that hand over the port's bytes"};
   }
   return {"kworkers", Verdict::advice,
           "the one CPU is shared with the kworkers that hand over the port's bytes",
-          "run no other real-time program on it, or take a board with more CPUs"};
+          "run no other real-time program on it, or use a board with more CPUs"};
 }
 
 // Ordinary programs delay the kworkers too, if they want more than all CPUs.
@@ -235,7 +235,7 @@ std::optional<Finding> load(const fs::path& root) {
   if (busy < cpus) return Finding{"load", Verdict::good, what.str()};
   return Finding{"load", Verdict::advice,
                  what.str() + ": they keep the kworkers that hand over the port's bytes waiting",
-                 "end what is busy (top shows it), or drive with --boost-kworkers"};
+                 "stop what is busy (top shows it), or drive with --boost-kworkers"};
 }
 
 Finding rivals(const Examination& examination, std::vector<Task> programs) {
@@ -243,7 +243,7 @@ Finding rivals(const Examination& examination, std::vector<Task> programs) {
   if (programs.empty())
     return {"rivals", Verdict::good, "no other program has as high a real-time priority"};
   return {"rivals", Verdict::advice,
-          "others have as high a real-time priority: " + joined(programs),
+          "other programs have as high a real-time priority: " + joined(programs),
           "lower theirs with chrt, or raise the loop's with --priority (98 at most)"};
 }
 
@@ -251,10 +251,10 @@ Finding rivals(const Examination& examination, std::vector<Task> programs) {
 
 Finding reachable(const std::string& port) {
   if (access(port.c_str(), R_OK | W_OK) == 0)
-    return {"port", Verdict::good, "there is permission to open " + port};
+    return {"port", Verdict::good, "you may open " + port};
   if (errno == ENOENT)
     return {"port", Verdict::bad, "there is no " + port,
-            "plug the cable in, or list what there is with: cargobay ports"};
+            "plug the cable in, or list the ports with: cargobay ports"};
   return {"port", Verdict::bad, "no permission to open " + port,
           "sudo adduser $USER dialout, and log in again"};
 }
@@ -291,7 +291,7 @@ std::vector<Finding> users(const std::string& path, const fs::path& root) {
   std::string what = "no other process has it open";
   if (users.unseen > 0) {
     what = "no process of yours has it open; " + std::to_string(users.unseen) +
-           " of others cannot be looked into: run as root to see those";
+           " of others cannot be inspected: run as root to see them";
   }
   return {{"users", Verdict::good, what}};
 }
@@ -302,7 +302,7 @@ std::optional<Finding> latency_timer(const fs::path& root, const std::string& tt
   if (!timer_ms || *timer_ms <= kLongestTimerMs) return std::nullopt;
   return Finding{"adapter", Verdict::bad,
                  "the adapter holds bytes back for " + std::to_string(*timer_ms) +
-                     " ms, more than the robot's period leaves",
+                     " ms, more than the robot's period allows",
                  "echo 1 | sudo tee /" + file.string()};
 }
 

@@ -39,8 +39,8 @@ Failure OutputFile::cannot_write(int error) const {
   std::string remedy = "name a file in a folder that exists and that you may write to";
   if (error == ENXIO) remedy = "it is a pipe that nothing reads; start its reader first";
   if (error == ENOSPC || error == EDQUOT) remedy = "make room on the disk, or name another place";
-  if (error == EFBIG) remedy = "raise the limit of a file's size (ulimit -f)";
-  if (error == EPIPE || error == ETIMEDOUT) remedy = "see to what reads the pipe";
+  if (error == EFBIG) remedy = "raise the file size limit (ulimit -f)";
+  if (error == EPIPE || error == ETIMEDOUT) remedy = "check what reads the pipe";
   return {"cannot write " + path_ + ": " + code.message() + "; " + remedy, code};
 }
 
@@ -151,7 +151,7 @@ std::optional<Failure> OutputFile::publish() {
   if (error != EEXIST) return cannot_write(error);
   const std::string aside = random_name(name_ + ".");
   if (!link_as(aside)) return cannot_write(errno);
-  return Failure{"cannot write " + path_ + ": another file has come there; this one is in " +
+  return Failure{"cannot write " + path_ + ": another file has appeared there; this one is in " +
                      path_.substr(0, path_.rfind('/') + 1) + aside,
                  {EEXIST, std::generic_category()}};
 }

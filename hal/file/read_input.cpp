@@ -61,7 +61,7 @@ Result<std::string> read_to_the_end(int descriptor, const InputLimits& limits, i
     if (count < 0 && errno == EAGAIN) {
       if (something_comes(descriptor, patience_ms)) continue;
       return Failure{"nothing came from it for " + std::to_string(patience_ms / 1000) +
-                         " s; see to what writes it, or name a file",
+                         " s; check what writes it, or name a file",
                      std::make_error_code(std::errc::timed_out)};
     }
     if (count < 0) return unreadable(errno);
@@ -69,7 +69,7 @@ Result<std::string> read_to_the_end(int descriptor, const InputLimits& limits, i
     all.append(chunk.data(), static_cast<std::size_t>(count));
     if (all.size() > limits.most_bytes) {
       return Failure{"it is longer than " + size_text(limits.most_bytes) +
-                         ", and no more is read; see whether it is the right one",
+                         ", and no more is read; check that it is the right one",
                      std::make_error_code(std::errc::file_too_large)};
     }
     const std::string_view beginning = limits.begins_with;

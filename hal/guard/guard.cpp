@@ -39,7 +39,7 @@ void nap() {
 
 Failure no_guard(const std::string& why) {
   return {
-      "the robot would have no guard, and its wheels would go on turning if this program died: " +
+      "the robot would have no guard, and its wheels would keep turning if this program died: " +
       why};
 }
 
@@ -117,7 +117,7 @@ Result<std::unique_ptr<Guard>> Guard::start(const ByteStream::Terminal& terminal
     return no_guard("cannot start " + program + ": " + std::generic_category().message(error));
   }
   if (!guard->wait_until_ready()) {
-    return no_guard(program + " does not start; is it of another version than this program?");
+    return no_guard(program + " does not start; is it from another version than this program?");
   }
   return guard;
 }

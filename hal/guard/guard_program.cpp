@@ -120,7 +120,7 @@ Result<std::string> guard_program(const std::string& wanted) {
   if (installed) return installed;
   return Failure{installed.failure().message +
                      "; install it, or name it in CARGOBAY_GUARD (which a program with the rights "
-                     "of another user does not look at)",
+                     "of another user ignores)",
                  installed.failure().code};
 }
 

@@ -184,8 +184,8 @@ int run() {
   GuardBlock* const block = map_block();
   if (block == nullptr) {
     std::fputs(
-        "cargobay-guard is started by the cargobay library, to stop a robot whose program died; "
-        "it does nothing by hand\n",
+        "cargobay-guard is started by the cargobay library, to stop a robot whose program died; it "
+        "does nothing when run by hand\n",
         stderr);
     return fcntl(GuardBlock::kBlock, F_GETFD) < 0 ? kNotByHand : kOtherVersion;
   }

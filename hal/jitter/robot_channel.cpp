@@ -138,8 +138,7 @@ class RobotChannel final : public Channel {
     thread.join();
     measured_.missed += cycle->frames().bad + cycle->frames().lost;
     if (end != CycleEnd::asked)
-      return Failure{
-          "the robot left the loop in the middle of the measurement; see: cargobay drive"};
+      return Failure{"the robot left the loop during the measurement; see: cargobay drive"};
     return std::nullopt;
   }
 

@@ -81,11 +81,12 @@ void KworkerBoost::keep_raised() {
 }
 
 std::string explain_kworker_boost(int error) {
-  return "raising the kworkers refused (" + std::generic_category().message(error) + "): " +
+  return "raising the priority of the kworkers was refused (" +
+         std::generic_category().message(error) + "): " +
          (rt::own_rights().origin == rt::Rights::Origin::container
               ? "start the container with --cap-add SYS_NICE --pid=host"
               : "run as root or grant CAP_SYS_NICE") +
-         "; a limit for real-time priorities is not enough for threads of the kernel";
+         "; a limit for real-time priorities is not enough for kernel threads";
 }
 
 }  // namespace cargobay::hal

@@ -31,8 +31,8 @@ Result<PortIdentity> identify(const std::string& path, const std::vector<PortInf
   if (fs::is_symlink(path, error)) return identity;
   if (is_pty(path)) {
     return Failure{path +
-                   " may be somebody else's terminal when it comes back; name the port by a link, "
-                   "such as that of cargobay sim --link"};
+                   " may be another program's terminal when it comes back; name the port by a "
+                   "link, such as that of cargobay sim --link"};
   }
   const auto port = std::ranges::find(ports, path, &PortInfo::path);
   if (port == ports.end() || !is_known_adapter(*port)) return identity;

@@ -17,7 +17,7 @@ namespace {
 
 std::string who_uses(const std::string& path) {
   const PortUsers users = find_port_users(path);
-  if (users.found.empty()) return "another process; see who it is with: sudo fuser -v " + path;
+  if (users.found.empty()) return "another process; see which one with: sudo fuser -v " + path;
   return "another process, " + describe(users.found) + ": " + remedy(users.found.front());
 }
 
@@ -37,7 +37,7 @@ Failure cannot_open(const std::string& path, int error) {
     case ENOTDIR:
     case ENXIO:
     case ENODEV:
-      return {what + "no such port; plug the cable in, or list what there is with: cargobay ports",
+      return {what + "no such port; plug the cable in, or list the ports with: cargobay ports",
               code};
     case EACCES:
     case EPERM:

@@ -185,9 +185,9 @@ std::string no_login_prompt(const std::string& service, const fs::path& root) {
     return "sudo systemctl disable --now " + service + and_console(service, root);
   std::error_code error;
   if (fs::exists(root / "run/systemd/system", error))
-    return "take the login prompt off it: sudo systemctl disable --now serial-getty@NAME.service, "
+    return "turn off its login prompt: sudo systemctl disable --now serial-getty@NAME.service, "
            "NAME being the port's, without /dev/";
-  return "take its line out of /etc/inittab, then: sudo telinit q";
+  return "remove its line from /etc/inittab, then: sudo telinit q";
 }
 
 }  // namespace
@@ -246,13 +246,12 @@ std::string remedy(const PortUser& user, const fs::path& root) {
   switch (kind_of(user.name)) {
     case Kind::login_prompt: return no_login_prompt(service, root);
     case Kind::session:
-      return "somebody works on this terminal: log out there, and take its login prompt off, or "
-             "name "
-             "another port";
+      return "a user is logged in on this terminal: log out there and turn off its login prompt, "
+             "or name another port";
     case Kind::terminal_program: return "close it: one program at a time can talk to the robot";
     case Kind::modem_manager:
       return "sudo systemctl mask --now ModemManager.service; or set ID_MM_DEVICE_IGNORE for the "
-             "adapter by a udev rule";
+             "adapter in a udev rule";
     case Kind::brltty:
       return "it takes the adapter for a Braille display: sudo apt remove brltty, or: sudo "
              "systemctl "

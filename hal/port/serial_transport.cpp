@@ -112,10 +112,10 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
   const auto refuse = [&path](std::error_code error) { return cannot_open(path, error.value()); };
   sp_port* raw = nullptr;
   if (const sp_return result = sp_get_port_by_name(path.c_str(), &raw); result != SP_OK) {
-    return Failure{"cannot open " + path +
-                       ": the kernel does not list it as a serial port; list what there is with: "
-                       "cargobay ports",
-                   error_of(result)};
+    return Failure{
+        "cannot open " + path +
+            ": the kernel does not list it as a serial port; list the ports with: cargobay ports",
+        error_of(result)};
   }
   std::unique_ptr<sp_port, FreePort> unopened{raw};
   (*lock)->let_go();

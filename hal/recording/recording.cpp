@@ -60,7 +60,7 @@ bool take_request(ByteReader& in, Request& request) {
 
 Failure damaged(std::size_t byte, const std::string& how) {
   return {"is damaged at byte " + std::to_string(byte) + ": " + how +
-          "; what stands before it is whole, and kept by: head -c " + std::to_string(byte) +
+          "; what comes before it is intact; keep that with: head -c " + std::to_string(byte) +
           " FILE > OTHER"};
 }
 

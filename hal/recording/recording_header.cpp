@@ -191,7 +191,7 @@ bool sensible(const RecordingHeader& header) {
 }
 
 Failure no_recording() {
-  return {"is no recording of a drive; make one with: cargobay drive --record FILE"};
+  return {"is not a recording of a drive; make one with: cargobay drive --record FILE"};
 }
 
 Failure cut_off() { return {"is cut off within its header: nothing of the drive is in it"}; }
@@ -235,7 +235,7 @@ Result<DecodedHeader> decode_header(std::span<const std::uint8_t> file) {
   each_header_field(decoded.header, reader);
   if (crc32(file.first(bytes)) != checksum || !reader.sound() || !fields.rest().empty() ||
       !sensible(decoded.header)) {
-    return Failure{"has a damaged header: nothing behind it can be trusted"};
+    return Failure{"has a damaged header: nothing after it can be trusted"};
   }
   return decoded;
 }

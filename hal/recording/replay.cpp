@@ -259,7 +259,7 @@ Result<ReplayResult> replay(const Recording& recording) {
     return Failure{recording.blocks().empty()
                        ? "holds nothing of a drive yet"
                        : "does not hold the beginning of the drive, without which it cannot be "
-                         "replayed; cargobay plot can show what there is"};
+                         "replayed; cargobay plot can show the rest"};
   }
   Script script{recording};
   ReplayStream stream{script, recording.header().baud};

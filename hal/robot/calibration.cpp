@@ -121,7 +121,7 @@ std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
     const Way turn = between(ways, begin_s, begin_s + kTurn + 0.9 * kSettle);
     if (std::abs(turn.turn_rad) < kLeastTurn) {
       return Failure{"the robot hardly turned (" + whole(turn.turn_rad * 180.0 / std::numbers::pi) +
-                     " degrees) when one wheel was driven; look whether it is free to move"};
+                     " degrees) when one wheel was driven; check that it is free to move"};
     }
     bases[i] = 2.0 * std::abs(turn.distance_mm / turn.turn_rad);
   }
@@ -147,7 +147,7 @@ std::optional<Failure> Calibration::measure_droop(const Ways& ways,
     const double speed = 2.0 * std::abs(steady.distance_mm) / (leg.drive_s - kLagOver);
     if (speed < speed_mm_s_ / 4.0) {
       return Failure{"a wheel did " + whole(speed) + " mm/s where " + whole(speed_mm_s_) +
-                     " were asked for; look whether its wheels are free and its battery is full"};
+                     " were asked for; check that its wheels turn freely and its battery is full"};
     }
     (leg.left != 0.0 ? left_mm_s : right_mm_s) += speed / 2.0;  // to and fro
   }
@@ -159,7 +159,7 @@ std::optional<Failure> Calibration::measure_droop(const Ways& ways,
 Result<CalibrationResult> Calibration::result(double delay_s) const {
   if (ticks_.empty() ||
       static_cast<double>(ticks_.back().number) * kTickSeconds < duration_s() - 0.5)
-    return Failure{"the drive ended before its time; nothing was measured: try again"};
+    return Failure{"the drive ended early; nothing was measured: try again"};
   rt::WheelEstimator::Parameters parameters{.input_delay_s = delay_s};
   CalibrationResult result;
   // The wheel base converts degrees to millimetres, and so affects the rest.

@@ -36,7 +36,7 @@ Failure refused(const rt::RealtimeGrant& grant) {
 
 constexpr const char* kGuardLost = "the guard process died or was suspended";
 constexpr const char* kGuardRemedy =
-    "find out who did that (dmesg reports memory running out), then start again";
+    "find out what did that (dmesg reports memory running out), then start again";
 
 // A robot that was lifted also sees cliffs.
 std::string remedy(Hazards causes) {
@@ -303,7 +303,7 @@ namespace {
 std::string explain_port(int error) {
   if (error == EBADF) {
     return "this program closed the port's descriptor under the library, as close_range() does; "
-           "keep descriptors that are not its own";
+           "leave descriptors that are not its own open";
   }
   if (error == 0 || error == EIO) {
     return "the port hung up: unplugged, or the virtual Create ended; plug it in and start again";
@@ -321,18 +321,18 @@ std::string explain_end(const Robot::Farewell& farewell) {
         return describe(farewell.causes) + ": the robot stopped and left its mode; " +
                remedy(farewell.causes) + ", then start again";
       }
-      return "the robot left its mode and stopped, and no sensor says why: something that it saw "
-             "for an instant, or its power button; look at it, then start again";
+      return "the robot left its mode and stopped, and no sensor says why: something it saw for an "
+             "instant, or its power button; look at it, then start again";
     case CycleEnd::hung_up: return explain_port(farewell.port_error);
     case CycleEnd::guarded:
       if (farewell.abandoned) {
-        return "the control function has not returned, and the robot was stopped without it; the "
-               "thread that is in it cannot be ended, nor what it uses be freed: end the program";
+        return "the control function has not returned, and the robot was stopped without it; its "
+               "thread cannot be ended, nor its resources freed: end the program";
       }
-      return "the loop stood still for too long: the program was suspended, its control function "
-             "did not return, or others took the CPU; see: cargobay doctor";
+      return "the loop was stalled for too long: the program was suspended, its control function "
+             "did not return, or other programs took the CPU; see: cargobay doctor";
     case CycleEnd::control_overrun:
-      return "the control function was over its time budget too many times in a row, and the robot "
+      return "the control function exceeded its time budget too many times in a row, and the robot "
              "was stopped; do less in it, leave the rest to another thread, or raise "
              "control_budget";
     case CycleEnd::guard_lost:

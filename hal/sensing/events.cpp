@@ -14,13 +14,13 @@ struct HazardWords {
   std::string_view words;
 };
 constexpr std::array kHazardWords{
-    HazardWords{Hazard::wheel_drop_left, "wheel_drop_left", "the left wheel hangs in the air"},
-    HazardWords{Hazard::wheel_drop_right, "wheel_drop_right", "the right wheel hangs in the air"},
-    HazardWords{Hazard::wheel_drop_front, "wheel_drop_front", "the front wheel hangs in the air"},
-    HazardWords{Hazard::cliff_left, "cliff_left", "a cliff at the left"},
+    HazardWords{Hazard::wheel_drop_left, "wheel_drop_left", "the left wheel is off the floor"},
+    HazardWords{Hazard::wheel_drop_right, "wheel_drop_right", "the right wheel is off the floor"},
+    HazardWords{Hazard::wheel_drop_front, "wheel_drop_front", "the front wheel is off the floor"},
+    HazardWords{Hazard::cliff_left, "cliff_left", "a cliff on the left"},
     HazardWords{Hazard::cliff_front_left, "cliff_front_left", "a cliff at the front left"},
     HazardWords{Hazard::cliff_front_right, "cliff_front_right", "a cliff at the front right"},
-    HazardWords{Hazard::cliff_right, "cliff_right", "a cliff at the right"},
+    HazardWords{Hazard::cliff_right, "cliff_right", "a cliff on the right"},
     HazardWords{Hazard::charger, "charger", "the charger is plugged in"},
 };
 
@@ -50,8 +50,8 @@ std::string describe(oi::BitSet<oi::Overcurrent> overcurrents) {
 }
 
 std::string describe(Bumps bumps) {
-  if (!bumps.has(oi::Bump::bump_left)) return "at the right";
-  return bumps.has(oi::Bump::bump_right) ? "in front" : "at the left";
+  if (!bumps.has(oi::Bump::bump_left)) return "on the right";
+  return bumps.has(oi::Bump::bump_right) ? "in front" : "on the left";
 }
 
 std::string describe(const BatteryState& battery) {
@@ -71,7 +71,7 @@ std::string because(Hazards hazards) {
 
 std::string describe_user(const Event& event) {
   const PortUser user{.id = event.process, .name = event.process_name.data()};
-  return describe(user) + " has the port open too and may take bytes from it: " + remedy(user);
+  return describe(user) + " also has the port open and may take bytes from it: " + remedy(user);
 }
 
 struct EventRow {
@@ -98,13 +98,13 @@ constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventKind::battery_recovered, "battery_recovered", Payload::battery,
      [](const Event& event) { return "the battery has recovered: " + describe(event.battery); }},
     {EventKind::overcurrent_began, "overcurrent_began", Payload::overcurrents,
-     [](const Event& event) { return describe(event.overcurrents) + " draws too much"; }},
+     [](const Event& event) { return describe(event.overcurrents) + " draws too much current"; }},
     {EventKind::overcurrent_ended, "overcurrent_ended", Payload::nothing,
-     [](const Event&) -> std::string { return "nothing draws too much any more"; }},
+     [](const Event&) -> std::string { return "nothing draws too much current now"; }},
     {EventKind::charging_began, "charging_began", Payload::battery,
-     [](const Event& event) { return "the battery is charged: " + describe(event.battery); }},
+     [](const Event& event) { return "the battery is charging: " + describe(event.battery); }},
     {EventKind::charging_ended, "charging_ended", Payload::battery,
-     [](const Event&) -> std::string { return "the battery is no longer charged"; }},
+     [](const Event&) -> std::string { return "the battery is no longer charging"; }},
     {EventKind::frames_lost, "frames_lost", Payload::frames,
      [](const Event& event) {
        return std::to_string(event.frames) + (event.frames == 1 ? " frame" : " frames") + " lost";
@@ -119,12 +119,12 @@ constexpr std::array<EventRow, kEventKinds> kEvents{{
      [](const Event&) -> std::string { return "the setpoint was not renewed; the wheels stop"; }},
     {EventKind::control_refused, "control_refused", Payload::nothing,
      [](const Event&) -> std::string {
-       return "the control function asked for speeds that no robot can do; the wheels stop";
+       return "the control function asked for speeds that the robot cannot do; the wheels stop";
      }},
     {EventKind::bump_began, "bump_began", Payload::bumps,
      [](const Event& event) { return "the robot bumped into something " + describe(event.bumps); }},
     {EventKind::bump_ended, "bump_ended", Payload::nothing,
-     [](const Event&) -> std::string { return "nothing touches the bumper any more"; }},
+     [](const Event&) -> std::string { return "nothing touches the bumper now"; }},
     {EventKind::port_shared, "port_shared", Payload::process, &describe_user},
 }};
 static_assert([] {

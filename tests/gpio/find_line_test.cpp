@@ -90,7 +90,7 @@ TEST_F(FindLine, TellsWhatAnAmbiguousNameMayMean) {
 
 TEST_F(FindLine, TellsWhoHoldsTheLine) {
   EXPECT_THAT(complaint({"pinctrl-bcm2835", "GPIO18"}, Kind::busy), HasSubstr("in use by lirc"));
-  EXPECT_THAT(complaint({"pinctrl-bcm2835", "19"}, Kind::busy), HasSubstr("no name for"));
+  EXPECT_THAT(complaint({"pinctrl-bcm2835", "19"}, Kind::busy), HasSubstr("does not name"));
 }
 
 TEST_F(FindLine, TellsWhichGroupMayUseTheChip) {

@@ -136,10 +136,10 @@ struct Hazard {
 };
 
 constexpr Hazard kCliff{"Cliff", [](Device& device) { device.inputs().cliff_left.cliff = true; },
-                        "a cliff at the left"};
+                        "a cliff on the left"};
 constexpr Hazard kWheelDrop{"WheelDrop",
                             [](Device& device) { device.inputs().wheel_drop_right = true; },
-                            "the right wheel hangs in the air"};
+                            "the right wheel is off the floor"};
 constexpr Hazard kCharger{"Charger", [](Device& device) { device.inputs().charger = true; },
                           "the charger is plugged in"};
 

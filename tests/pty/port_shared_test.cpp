@@ -61,7 +61,7 @@ TEST_F(PortSharedTest, IsNamedWithItsNumberAndARemedy) {
   thief.go_on();
   EXPECT_TRUE(eventually([&] {
     (void)command.running();
-    return command.out().find(thief.name() + " has the port open too") != std::string::npos;
+    return command.out().find(thief.name() + " also has the port open") != std::string::npos;
   })) << command.out();
   EXPECT_THAT(command.out(), HasSubstr("log out there"));
   thief.stop();

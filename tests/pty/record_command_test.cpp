@@ -156,7 +156,7 @@ TEST_F(RecordTest, FailsAtALimitOfTheFileSize) {
   const Setup limited{.most_file_bytes = 8192};
   Command command{drive({"--duration", "1.5", "--record", file_}), limited};
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), OneErrorLine("File too large; raise the limit"));
+  EXPECT_THAT(command.err(), OneErrorLine("File too large; raise the file size limit"));
   EXPECT_THAT(command.out(), HasSubstr("Wheel speed"));
   EXPECT_EQ(mode(), oi::Mode::passive);
   EXPECT_TRUE(stands_still());

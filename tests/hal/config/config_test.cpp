@@ -103,13 +103,14 @@ TEST(ConfigFile, ListsTheKeysWhereNoneIsNear) {
 }
 
 TEST(ConfigFile, SaysWhatAValueIs) {
-  EXPECT_THAT(complaint("baud = 12345"), HasSubstr("my.toml:1: baud is a rate of the robot's"));
+  EXPECT_THAT(complaint("baud = 12345"),
+              HasSubstr("my.toml:1: baud must be one of the robot's rates"));
   complaint("baud = '19200'");
   complaint("baud = -1");
   complaint("baud = 4295024896");  // 57600 beyond 32 bits
   EXPECT_THAT(complaint("port = 1"), HasSubstr("text in quotes"));
   EXPECT_THAT(complaint("pins = 1"), HasSubstr("table"));
-  EXPECT_THAT(complaint("[pins.brc]\nline = -1"), HasSubstr("my.toml:2: line is"));
+  EXPECT_THAT(complaint("[pins.brc]\nline = -1"), HasSubstr("my.toml:2: line must be"));
   complaint("[pins.brc]\nline = ''");
   complaint("[pins.brc]\nactive_low = 1");
   complaint("[pins.brc]\nbias = 'up'");
@@ -141,7 +142,7 @@ TEST(ConfigFile, RefusesWhatNoRobotIs) {
       text << "[robot]\n" << row.key << " = " << std::showpoint << value;
       return text.str();
     };
-    const auto refused = AllOf(StartsWith("my.toml:2: " + row.key + " is a number from "),
+    const auto refused = AllOf(StartsWith("my.toml:2: " + row.key + " must be a number from "),
                                HasSubstr(row.range.words()), HasSubstr(row.unit));
     for (const double value :
          {1e-300, 1e300, 0.0, -1.0, row.range.least * 0.999, row.range.most * 1.001})
@@ -161,7 +162,7 @@ TEST(ConfigFile, RefusesWhatNoRobotIs) {
 }
 
 TEST(ConfigFile, SaysWhereItIsNoToml) {
-  EXPECT_THAT(complaint("port = 'x'\nbaud ="), HasSubstr("my.toml:2: no TOML"));
+  EXPECT_THAT(complaint("port = 'x'\nbaud ="), HasSubstr("my.toml:2: not TOML"));
 }
 
 TEST(ConfigFile, SaysThatItCannotBeRead) {

@@ -207,7 +207,7 @@ TEST_F(OutputFileTest, DoesNotWaitForTheReaderOfAFifo) {
   ASSERT_TRUE(file);
   const auto failure = file->write(std::string(1U << 20U, 'x'), std::chrono::milliseconds{1});
   ASSERT_TRUE(failure);
-  EXPECT_THAT(failure->message, HasSubstr("see to what reads the pipe"));
+  EXPECT_THAT(failure->message, HasSubstr("check what reads the pipe"));
   close(reader);
   EXPECT_THAT(file->write("text")->message, HasSubstr("Broken pipe"));  // and no SIGPIPE
 }
@@ -234,7 +234,7 @@ TEST_F(OutputFileTest, FailsAtALimitOfTheFileSize) {
   const auto failure = file->write(std::string(5000, 'x'));
   setrlimit(RLIMIT_FSIZE, &before);
   ASSERT_TRUE(failure);
-  EXPECT_THAT(failure->message, HasSubstr("File too large; raise the limit"));
+  EXPECT_THAT(failure->message, HasSubstr("File too large; raise the file size limit"));
   ASSERT_FALSE(file->publish());
   EXPECT_EQ(contents(path("file")).size(), 1000U);
   sigset_t mask{};

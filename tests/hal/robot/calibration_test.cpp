@@ -71,7 +71,7 @@ TEST(Calibration, SaysWhereTheRobotDoesNotMove) {
 TEST(Calibration, SaysWhereTheDriveEndedEarly) {
   const auto found = Calibration{200.0}.result(0.0);
   ASSERT_FALSE(found);
-  EXPECT_NE(found.failure().message.find("ended before its time"), std::string::npos);
+  EXPECT_NE(found.failure().message.find("ended early"), std::string::npos);
 }
 
 }  // namespace

@@ -316,7 +316,7 @@ TEST(CycleEndText, NamesTheCauseOfALostMode) {
             "edge, then start again");
   const auto lifted = Hazards{}.with(Hazard::cliff_left).with(Hazard::wheel_drop_right);
   EXPECT_EQ(explain({.end = CycleEnd::mode_lost, .robot = kStands, .causes = lifted}),
-            "the right wheel hangs in the air and a cliff at the left: the robot stopped and left "
+            "the right wheel is off the floor and a cliff on the left: the robot stopped and left "
             "its mode; set it on its wheels, then start again");
   EXPECT_NE(explain({.end = CycleEnd::mode_lost, .causes = Hazards{}.with(Hazard::charger)})
                 .find("unplug"),

@@ -28,13 +28,13 @@ TEST(Events, SayWhatTheyCarry) {
 
 TEST(Events, PutTheirPayloadIntoWords) {
   EXPECT_EQ(describe(Event{.what = EventKind::bump_began, .bumps = Bumps{2}}),
-            "the robot bumped into something at the left");
+            "the robot bumped into something on the left");
   EXPECT_EQ(describe(Event{.what = EventKind::frames_lost, .frames = 2}), "2 frames lost");
   EXPECT_THAT(
       describe(Event{.what = EventKind::mode_lost,
                      .mode = oi::Mode::passive,
                      .hazards = Hazards{}.with(Hazard::cliff_left)}),
-      testing::AllOf(testing::HasSubstr("passive"), testing::HasSubstr("a cliff at the left")));
+      testing::AllOf(testing::HasSubstr("passive"), testing::HasSubstr("a cliff on the left")));
 }
 
 }  // namespace

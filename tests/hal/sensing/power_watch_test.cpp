@@ -99,7 +99,7 @@ TEST(Overcurrent, IsToldOnceForEachThatBegins) {
   EXPECT_EQ(told[1].overcurrents, both.without(Overcurrent::left_wheel));
   EXPECT_EQ(told[2].what, EventKind::overcurrent_ended);
   EXPECT_EQ(told[3].overcurrents, left);
-  EXPECT_EQ(describe(told[1]), "low side driver 0 draws too much");
+  EXPECT_EQ(describe(told[1]), "low side driver 0 draws too much current");
 }
 
 // Through the lists that the loop streams, whether it needs every frame or one in forty.
