@@ -30,7 +30,7 @@ static int test(struct cargobay_sim* sim, struct cargobay_robot* robot) {
   printf("%.0f times as fast as the robot\n", 60.0 / fmax(took_s, 1e-6));
   return check(fabs(truth.x_mm - 1000.0) < 20.0, "it is 1 m ahead") +
          check(fabs(truth.y_mm) < 50.0, "it is not far to the side") +
-         check(fabs(truth.left_mm_s) + fabs(truth.right_mm_s) < 5.0, "it stands");
+         check(fabs(truth.left_mm_s) + fabs(truth.right_mm_s) < 5.0, "it has stopped");
 }
 
 int main(void) {

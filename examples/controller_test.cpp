@@ -44,5 +44,5 @@ int main() {
   const double speed_mm_s = std::abs(truth->left_mm_s) + std::abs(truth->right_mm_s);
   return check(std::abs(truth->x_mm - 1000.0) < 20.0, "it is 1 m ahead") +
          check(std::abs(truth->y_mm) < 50.0, "it is not far to the side") +
-         check(speed_mm_s < 5.0, "it stands");
+         check(speed_mm_s < 5.0, "it has stopped");
 }

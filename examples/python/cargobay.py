@@ -557,9 +557,9 @@ def _whole(name: str, value: Any, least: int, most: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(f"`{name}` is a whole number, not {type(value).__name__}") from None
+        raise TypeError(f"`{name}` must be a whole number, not {type(value).__name__}") from None
     if not least <= number <= most:
-        raise ArgumentError(f"`{name}` is {least} to {most}, not {number}")
+        raise ArgumentError(f"`{name}` must be {least} to {most}, not {number}")
     return number
 
 
@@ -579,7 +579,7 @@ def _real(name: str, value: Any) -> float:
     """What the library makes of NaN and infinities, it says itself."""
     if isinstance(value, (str, bytes, bytearray)) or not hasattr(type(value), "__float__") and (
             not hasattr(type(value), "__index__")):
-        raise TypeError(f"`{name}` is a number, not {type(value).__name__}")
+        raise TypeError(f"`{name}` must be a number, not {type(value).__name__}")
     try:
         return float(value)
     except OverflowError:
@@ -588,9 +588,9 @@ def _real(name: str, value: Any) -> float:
 
 def _text(name: str, value: Any) -> bytes:
     if not isinstance(value, str):
-        raise TypeError(f"`{name}` is a str, not {type(value).__name__}")
+        raise TypeError(f"`{name}` must be a str, not {type(value).__name__}")
     if "\0" in value:
-        raise ArgumentError(f"`{name}` has a NUL in it, where the library would take it to end")
+        raise ArgumentError(f"`{name}` has a NUL in it, where the library would end it")
     return value.encode()
 
 
@@ -600,18 +600,18 @@ def _path(name: str, value: Union[str, os.PathLike[str], None]) -> Optional[byte
     try:
         path = os.fsencode(value)
     except TypeError:
-        raise TypeError(f"`{name}` is a path or None, not {type(value).__name__}") from None
+        raise TypeError(f"`{name}` must be a path or None, not {type(value).__name__}") from None
     if not path:
         raise ArgumentError(f"`{name}` is empty; None is the default")
     if b"\0" in path:
-        raise ArgumentError(f"`{name}` has a NUL in it, which no path has")
+        raise ArgumentError(f"`{name}` has a NUL in it, which no path may have")
     return path
 
 
 def _seconds(name: str, value: Any) -> float:
     seconds = _real(name, value)
     if not 0.0 <= seconds < math.inf:
-        raise ArgumentError(f"`{name}` is 0 or more seconds, not {seconds}")
+        raise ArgumentError(f"`{name}` must be 0 or more seconds, not {seconds}")
     return seconds
 
 
@@ -654,7 +654,7 @@ def wheels_of(velocity_mm_s: float, turn_rate_rad_s: float, wheel_base_mm: float
 def describe(event: Event) -> str:
     """An event in words."""
     if not isinstance(event, Event):
-        raise TypeError(f"`event` is an Event, not {type(event).__name__}")
+        raise TypeError(f"`event` must be an Event, not {type(event).__name__}")
     text = ctypes.create_string_buffer(512)
     _library.cargobay_describe_event(ctypes.byref(event), text, len(text))
     return text.value.decode(errors="replace")
@@ -838,11 +838,11 @@ class Robot(_Handle):
                  progress: Optional[Callable[[str, str], None]] = None) -> None:
         """0 and None are the defaults of struct cargobay_options."""
         if sim is not None and not isinstance(sim, VirtualCreate):
-            raise TypeError(f"`sim` is a VirtualCreate or None, not {type(sim).__name__}")
+            raise TypeError(f"`sim` must be a VirtualCreate or None, not {type(sim).__name__}")
         if sim is not None and sim._handle is None:
             raise CargobayError(Error.HANDLE, "`sim` is closed; open another VirtualCreate")
         if progress is not None and not callable(progress):
-            raise TypeError(f"`progress` is a function or None, not {type(progress).__name__}")
+            raise TypeError(f"`progress` must be a function or None, not {type(progress).__name__}")
         self._sim = sim  # it must outlive this
         self._control: Any = None  # what C calls must not be collected
         shared = self._shared = _Shared()
@@ -932,7 +932,7 @@ class Robot(_Handle):
         again by wait(), stop(), or at the end of the `with`. The state is valid during the call.
         """
         if control is not None and not callable(control):
-            raise TypeError(f"`control` is a function or None, not {type(control).__name__}")
+            raise TypeError(f"`control` must be a function or None, not {type(control).__name__}")
         shared = self._shared
 
         def call(_context: Any, state: Any, wheels: Any) -> None:
@@ -1087,7 +1087,7 @@ class Robot(_Handle):
         try:
             pairs = [(number, duration) for number, duration in notes]
         except (TypeError, ValueError):
-            raise TypeError("`notes` are pairs of MIDI number and duration in 1/64 s") from None
+            raise TypeError("`notes` must be pairs of MIDI number and duration in 1/64 s") from None
         array = (_Note * len(pairs))(*(
             _Note(_byte("number", number), _byte("duration", duration))
             for number, duration in pairs))

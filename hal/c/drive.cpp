@@ -16,7 +16,8 @@ int drive(cargobay_robot* robot, const cargobay_wheels& wheels) noexcept {
   constexpr double kMost = oi::kMaxWheelSpeed;
   const bool possible = std::abs(wheels.left_mm_s) <= kMost && std::abs(wheels.right_mm_s) <= kMost;
   if (!possible)  // also if one is not a number
-    return bad_argument("a wheel would have to go faster than 500 mm/s, or how fast is no number");
+    return bad_argument(
+        "a wheel would have to go faster than 500 mm/s, or the speed is not a number");
   if (const int failed = use->must_run(); failed != CARGOBAY_OK) return failed;
   if (use->control != nullptr) {
     return fail(CARGOBAY_E_STATE,
@@ -26,7 +27,7 @@ int drive(cargobay_robot* robot, const cargobay_wheels& wheels) noexcept {
   const oi::Mode mode = state ? state->mode : oi::Mode::safe;
   if (mode != oi::Mode::safe && mode != oi::Mode::full) {
     return fail(CARGOBAY_E_MODE,
-                "the robot has left its mode and obeys no drive command; see the event, set it "
+                "the robot has left its mode and obeys no drive commands; see the event, put it "
                 "right, then cargobay_rearm()");
   }
   // In range, so it is accepted.
@@ -63,7 +64,7 @@ int cargobay_drive(struct cargobay_robot* robot, double velocity_mm_s, double tu
 
 int cargobay_drive_radius(struct cargobay_robot* robot, double velocity_mm_s, double radius_mm) {
   if (std::isnan(radius_mm))
-    return bad_argument("`radius_mm` is no number; INFINITY is straight on, 0 turns in place");
+    return bad_argument("`radius_mm` is not a number; INFINITY is straight on, 0 turns in place");
   if (radius_mm == 0.0) return drive(robot, {-velocity_mm_s, velocity_mm_s});
   return cargobay_drive(robot, velocity_mm_s, velocity_mm_s / radius_mm);
 }

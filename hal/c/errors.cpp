@@ -51,13 +51,13 @@ int bad_handle(const void* handle, HandleKind wanted) noexcept {
     say(words(kind).a);
     say(", not of ");
     say(as.a);
-    say(": pass the one that is meant");
+    say(": pass the right one");
     return fail(CARGOBAY_E_HANDLE, {said.data(), length});
   }
   say("this ");
   say(as.name);
   say(handle == nullptr          ? " is NULL"
-      : kind == HandleKind::none ? " is no handle of this library"
+      : kind == HandleKind::none ? " is not a handle of this library"
                                  : " is closed, or the parent process's");
   say("; open one with ");
   say(as.open);

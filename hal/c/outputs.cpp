@@ -50,8 +50,8 @@ int send(RobotObject& object, std::span<const std::uint8_t> bytes, std::uint32_t
   if (info == nullptr) return bad_argument("the robot has no such opcode");
   if (is_the_loops(*info)) {
     return fail(CARGOBAY_E_ARGUMENT, std::string{info->name} +
-                                         " is the loop's to send, or would take the robot from "
-                                         "it; there is a function for what it is wanted for");
+                                         " is for the loop to send, or would take the robot from "
+                                         "it; use the function for that purpose");
   }
   if (const int failed = object.must_run(); failed != CARGOBAY_OK) return failed;
   hal::ControlCycle& cycle = object.robot->cycle();
@@ -67,9 +67,9 @@ int send(RobotObject& object, std::span<const std::uint8_t> bytes, std::uint32_t
       state && state->command == rt::WheelSpeeds{} && state->set == rt::WheelSpeeds{};
   if (bytes.size() > cycle.spare_bytes() && !pause && state && !stands) {
     return fail(CARGOBAY_E_FULL,
-                std::to_string(bytes.size()) + " bytes do not fit beside the loop's own, " +
+                std::to_string(bytes.size()) + " bytes do not fit next to the loop's own, " +
                     std::to_string(cycle.spare_bytes()) +
-                    " do; send them while the wheels stand, or with CARGOBAY_PAUSE_DRIVING");
+                    " do; send them while the wheels are stopped, or with CARGOBAY_PAUSE_DRIVING");
   }
   Request request;
   request.kind = Request::Kind::command;
@@ -129,7 +129,7 @@ int store_tune(RobotObject& object, std::uint8_t slot, const char* rtttl, std::i
                         " of the tune: " + std::string{oi::message(error->what)});
   }
   const auto songs = oi::split({tone.notes.data(), tone.notes.size()}, slot);
-  if (!songs) return bad_argument("the tune does not fit the slots from there to 15");
+  if (!songs) return bad_argument("the tune does not fit in the slots from `slot` to 15");
   std::size_t used = 0;
   for (const oi::Song& song : *songs) {
     const auto encoded = oi::encode(song);
@@ -153,20 +153,20 @@ extern "C" {
 int cargobay_leds(struct cargobay_robot* robot, uint32_t leds, uint8_t power_color,
                   uint8_t power_intensity) {
   if ((leds & ~std::uint32_t{CARGOBAY_LED_PLAY | CARGOBAY_LED_ADVANCE}) != 0)
-    return bad_argument("`leds` is of CARGOBAY_LED_PLAY and CARGOBAY_LED_ADVANCE");
+    return bad_argument("`leds` may only have CARGOBAY_LED_PLAY and CARGOBAY_LED_ADVANCE");
   return send_command(robot, oi::Leds{.leds = oi::BitSet<oi::Led>{static_cast<std::uint8_t>(leds)},
                                       .power_color = power_color,
                                       .power_intensity = power_intensity});
 }
 
 int cargobay_digital_outputs(struct cargobay_robot* robot, uint32_t outputs) {
-  if (outputs >> kOutputs != 0) return bad_argument("`outputs` is of bits 0 to 2");
+  if (outputs >> kOutputs != 0) return bad_argument("`outputs` may only have bits 0 to 2");
   return send_command(
       robot, oi::DigitalOutputs{oi::BitSet<oi::DigitalOutput>{static_cast<std::uint8_t>(outputs)}});
 }
 
 int cargobay_low_side_drivers(struct cargobay_robot* robot, uint32_t drivers) {
-  if (drivers >> kOutputs != 0) return bad_argument("`drivers` is of bits 0 to 2");
+  if (drivers >> kOutputs != 0) return bad_argument("`drivers` may only have bits 0 to 2");
   return send_command(
       robot, oi::LowSideDrivers{oi::BitSet<oi::LowSideDriver>{static_cast<std::uint8_t>(drivers)}});
 }
@@ -193,7 +193,7 @@ int cargobay_song(struct cargobay_robot* robot, uint8_t slot, const struct cargo
   }
   return with(robot, [&](RobotObject& object) {
     const auto encoded = oi::encode(song);
-    if (!encoded) return bad_argument("`slot` is 0 to 15");
+    if (!encoded) return bad_argument("`slot` must be 0 to 15");
     // 35 bytes: at 19200 baud they do not fit beside the loop's own, and a song is worth the pause.
     return send(object, *encoded, CARGOBAY_PAUSE_DRIVING);
   });
@@ -206,7 +206,7 @@ int cargobay_play_song(struct cargobay_robot* robot, uint8_t slot) {
 int cargobay_tune(struct cargobay_robot* robot, uint8_t slot, const char* rtttl,
                   int32_t* durations_64) {
   if (rtttl == nullptr) return bad_argument("`rtttl` is NULL");
-  if (slot >= oi::kSongSlots) return bad_argument("`slot` is 0 to 15");
+  if (slot >= oi::kSongSlots) return bad_argument("`slot` must be 0 to 15");
   return with(robot,
               [&](RobotObject& object) { return store_tune(object, slot, rtttl, durations_64); });
 }

@@ -40,17 +40,17 @@ struct Setting {
 // Empty if everything is in range.
 std::string complaint(const cargobay_options& options) {
   if ((options.flags & ~kKnownFlags) != 0)
-    return "`flags` has bits that this library does not know; use a newer one";
+    return "`flags` has bits that this library does not know; use a newer library";
   if (options.port != nullptr && options.sim != nullptr)
-    return "a robot has a `port` or is a `sim`, not both";
+    return "a robot has a `port` or a `sim`, not both";
   if (options.mode != 0 && options.mode != CARGOBAY_MODE_SAFE && options.mode != CARGOBAY_MODE_FULL)
-    return "`mode` is CARGOBAY_MODE_SAFE or CARGOBAY_MODE_FULL: in no other does it drive";
+    return "`mode` must be CARGOBAY_MODE_SAFE or CARGOBAY_MODE_FULL: it drives in no other";
   if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
-    return "`remainder` is one of enum cargobay_remainder";
+    return "`remainder` must be one of enum cargobay_remainder";
   if (options.baud != 0 && !oi::baud_code(options.baud))
-    return "`baud` is one of the robot's rates: 57600, 19200, ...";
+    return "`baud` must be one of the robot's rates: 57600, 19200, ...";
   if (has(options, CARGOBAY_PIN_CPU) && !hal::kCpu.contains(options.cpu))
-    return "`cpu` is " + hal::kCpu.words();
+    return "`cpu` must be " + hal::kCpu.words();
   for (const Setting& setting : std::to_array<Setting>({
            {"priority", static_cast<double>(options.priority), hal::kPriority},
            {"setpoint_lapse_ms", static_cast<double>(options.setpoint_lapse_ms),
@@ -69,7 +69,7 @@ std::string complaint(const cargobay_options& options) {
            {"turn_scale", options.turn_scale, hal::kScale},
        })) {
     if (setting.value != 0.0 && !setting.range.contains(setting.value))
-      return "`" + std::string{setting.name} + "` is " + setting.range.words() +
+      return "`" + std::string{setting.name} + "` must be " + setting.range.words() +
              ", or 0 for the default";
   }
   return "";
@@ -129,7 +129,7 @@ int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& o
   if (object.sim->taken.exchange(true)) {
     object.sim = {};  // ownership stays
     return fail(CARGOBAY_E_STATE,
-                "another robot is this virtual Create already; close it, or open a second one");
+                "another robot already uses this virtual Create; close it, or open a second one");
   }
   object.virtual_time = object.sim->in_virtual_time();
   if (object.virtual_time) {
@@ -197,7 +197,7 @@ int open_robot(const cargobay_options& options, cargobay_robot** handle) {
   lay_over(options, config);
   const std::uint32_t baud = config.baud.value_or(oi::kDefaultBaud);
   if (!oi::baud_code(baud))
-    return fail(CARGOBAY_E_CONFIG, "the robot has no " + std::to_string(baud) +
+    return fail(CARGOBAY_E_CONFIG, "the robot does not support " + std::to_string(baud) +
                                        " baud, which the configuration asks for; use 57600");
   hal::RobotOptions wanted = robot_options(options, config);
   auto object = std::make_unique<RobotObject>();
@@ -251,7 +251,7 @@ int start(RobotObject& object) {
   const hal::StandardNumbersTaken taken;
   if (object.life.load() != RobotObject::Life::open) {
     return fail(CARGOBAY_E_STATE,
-                "the loop was started before; a robot starts once, then a new one is to be opened");
+                "the loop was started before; a robot starts only once: open a new one");
   }
   if (const int failed = record(object); failed != CARGOBAY_OK) {
     end(object);
@@ -301,8 +301,8 @@ int owned(cargobay_robot* robot, const char* name, const Function& function) {
     const std::unique_lock lock{use->owner, std::try_to_lock};
     if (!lock) {
       return fail(CARGOBAY_E_STATE,
-                  "another thread is inside a function of this robot's owner; "
-                  "let one thread own it");
+                  "another thread is in a function that belongs to this robot's owner; let one "
+                  "thread own it");
     }
     return function(*use);
   });
@@ -322,7 +322,7 @@ int cargobay_open(const struct cargobay_options* options, struct cargobay_robot*
   cargobay_options known{};
   if (options != nullptr && !take(options, known)) {
     return bad_argument(
-        "cargobay_options: set `size` to its sizeof, and what is not used to 0; a newer program's "
+        "cargobay_options: set `size` to its sizeof, and unused members to 0; a newer program's "
         "options need a newer library");
   }
   return guarded([&] {
@@ -355,7 +355,7 @@ int cargobay_set_control(struct cargobay_robot* robot, cargobay_control control,
   return owned(robot, "cargobay_set_control", [&](RobotObject& object) {
     if (object.life.load() != RobotObject::Life::open) {
       return fail(CARGOBAY_E_STATE,
-                  "the loop was started already; a control function is set before that");
+                  "the loop was already started; set a control function before that");
     }
     object.control = control;
     object.context = context;

@@ -71,8 +71,7 @@ int RobotObject::must_be_started() const noexcept {
 int RobotObject::must_run() const noexcept {
   if (const int early = must_be_started(); early != CARGOBAY_OK) return early;
   if (life.load(std::memory_order_acquire) == Life::stopped || robot->ended()) {
-    return fail(CARGOBAY_E_STATE,
-                "the loop has ended; cargobay_stop() says why, and a new robot is to be opened");
+    return fail(CARGOBAY_E_STATE, "the loop has ended; cargobay_stop() says why; open a new robot");
   }
   return CARGOBAY_OK;
 }
@@ -91,7 +90,7 @@ int RobotObject::request(const hal::Request& wanted) {
   const std::lock_guard lock{requests};
   if (robot->cycle().request(wanted)) return CARGOBAY_OK;
   return fail(CARGOBAY_E_FULL,
-              "32 requests wait for their turn already, one goes out in a frame; try again later");
+              "32 requests are already waiting, and one goes out per frame; try again later");
 }
 
 RobotTable& robots() {

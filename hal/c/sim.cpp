@@ -24,21 +24,21 @@ using hal::sim::Device;
 // Empty if everything is in range.
 std::string complaint(const cargobay_sim_options& options) {
   if (options.time < CARGOBAY_SIM_REAL || options.time > CARGOBAY_SIM_VIRTUAL)
-    return "`time` is CARGOBAY_SIM_REAL or CARGOBAY_SIM_VIRTUAL";
+    return "`time` must be CARGOBAY_SIM_REAL or CARGOBAY_SIM_VIRTUAL";
   if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
-    return "`remainder` is one of enum cargobay_remainder";
+    return "`remainder` must be one of enum cargobay_remainder";
   if (options.boot_baud != 0 && !oi::baud_code(options.boot_baud))
-    return "`boot_baud` is one of the robot's rates: 57600, 19200, ...";
+    return "`boot_baud` must be one of the robot's rates: 57600, 19200, ...";
   if (options.time == CARGOBAY_SIM_VIRTUAL && options.link != nullptr)
     return "in virtual time there is no pseudo-terminal to `link` to";
   if (options.lag_s != 0.0 && !hal::kLagS.contains(options.lag_s))
-    return "`lag_s` is " + hal::kLagS.words() + ", or 0 for the default";
+    return "`lag_s` must be " + hal::kLagS.words() + ", or 0 for the default";
   if (!hal::kDroop.contains(options.droop_left) || !hal::kDroop.contains(options.droop_right))
-    return "`droop_left` and `droop_right` are " + hal::kDroop.words();
+    return "`droop_left` and `droop_right` must be " + hal::kDroop.words();
   if (!hal::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) || std::isnan(options.noise_mm_s))
-    return "`noise_mm_s` is " + hal::kNoiseMmS.words() + ", or negative for none";
+    return "`noise_mm_s` must be " + hal::kNoiseMmS.words() + ", or negative for none";
   if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
-    return "`wheel_base_mm` is " + hal::kWheelBaseMm.words() + ", or 0 for the default";
+    return "`wheel_base_mm` must be " + hal::kWheelBaseMm.words() + ", or 0 for the default";
   return "";
 }
 
@@ -154,7 +154,7 @@ int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargoba
   cargobay_sim_options known{};
   if (options != nullptr && !take(options, known)) {
     return bad_argument(
-        "cargobay_sim_options: set `size` to its sizeof, and what is not used to 0; a newer "
+        "cargobay_sim_options: set `size` to its sizeof, and unused members to 0; a newer "
         "program's options need a newer library");
   }
   return guarded([&] {
@@ -170,8 +170,9 @@ int cargobay_sim_close(struct cargobay_sim* sim) {
       const auto use = sims().use(sim);
       if (!use) return bad_sim(sim);
       if (use->taken.load()) {
-        return fail(CARGOBAY_E_STATE,
-                    "an open robot is this virtual Create; close it first, with cargobay_close()");
+        return fail(
+            CARGOBAY_E_STATE,
+            "an open robot uses this virtual Create; close it first, with cargobay_close()");
       }
     }
     const auto closed = sims().close(sim, [](SimObject& ended) {
@@ -197,7 +198,8 @@ int cargobay_sim_path(struct cargobay_sim* sim, char* path, size_t path_size) {
 
 int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer,
                         size_t answer_size) {
-  if (line == nullptr) return bad_argument("`line` is NULL: give it a command, as \"bump left\"");
+  if (line == nullptr)
+    return bad_argument("`line` is NULL: give it a command, such as \"bump left\"");
   return guarded([&] {
     const auto use = sims().use(sim);
     if (!use) return bad_sim(sim);
@@ -238,7 +240,7 @@ int cargobay_sim_advance(struct cargobay_sim* sim, int64_t duration_ns) {
     if (!lock || use->taken.load()) {
       return fail(CARGOBAY_E_STATE,
                   "a robot, or another thread, moves the time of this virtual Create: use "
-                  "cargobay_wait() of the robot");
+                  "cargobay_wait() on the robot");
     }
     use->link->advance(duration);
     return static_cast<int>(CARGOBAY_OK);

@@ -41,12 +41,12 @@ int too_late(const RobotObject& object) {
   if (const int code = object.end_of_loop(object.robot->end_so_far()); code != CARGOBAY_OK)
     return code;
   return fail(CARGOBAY_E_STATE,
-              "the loop was asked to end, and has; no frame comes any more: cargobay_stop()");
+              "the loop was asked to end, and has; no more frames will come: cargobay_stop()");
 }
 
 int timed_out() {
   return fail(CARGOBAY_E_TIMEOUT,
-              "no frame came in time; every 15 ms one does where all is well: wait longer");
+              "no frame came in time; one comes every 15 ms if all is well: wait longer");
 }
 
 // Two looks in a row: if the whole machine had stopped, the loop goes on before the second.
@@ -58,16 +58,16 @@ bool stands_still(RobotObject& object, std::uint32_t rings) {
 }
 
 int stalled() {
-  return fail(CARGOBAY_E_STALLED,
-              "the loop stands still, for longer than `guard_deadline_ms`: its control function "
-              "does not return, or others took the CPU; cargobay_stop() stops the robot all the "
-              "same");
+  return fail(
+      CARGOBAY_E_STALLED,
+      "the loop has been stalled for longer than `guard_deadline_ms`: its control function does "
+      "not return, or other programs took the CPU; cargobay_stop() stops the robot all the same");
 }
 
 int wait_stepped(RobotObject& object, std::int64_t timeout_ns) {
   const std::unique_lock lock{object.owner, std::try_to_lock};
   if (!lock)
-    return fail(CARGOBAY_E_STATE, "another thread moves the virtual time of this robot already");
+    return fail(CARGOBAY_E_STATE, "another thread already moves the virtual time of this robot");
   const Robot::Stepped stepped = object.robot->step(deadline(object.robot->now(), timeout_ns));
   if (object.recording) object.recording->append();
   switch (stepped) {
@@ -104,7 +104,7 @@ int wait_for_frame(cargobay_robot* robot, const RobotUse& use, std::int64_t time
 
 int no_frame_yet() {
   return fail(CARGOBAY_E_TIMEOUT,
-              "no frame has come yet; cargobay_wait() for the first behind cargobay_start()");
+              "no frame has come yet; cargobay_wait() for the first one after cargobay_start()");
 }
 
 cargobay_event c_event(const hal::Event& event) {
@@ -222,8 +222,8 @@ int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_
                         std::abs(heading_rad) <= kMostRad;
   if (!sensible) {
     return bad_argument(
-        "the pose is not a number, or out of range: `x_mm` and `y_mm` are -1e9 to 1e9, "
-        "`heading_rad` is -1e6 to 1e6");
+        "the pose is not a number, or out of range: `x_mm` and `y_mm` must be -1e9 to 1e9, "
+        "`heading_rad` -1e6 to 1e6");
   }
   return guarded([&] {
     const RobotUse use = robots().use(robot);
@@ -250,10 +250,12 @@ int cargobay_next_event(struct cargobay_robot* robot, struct cargobay_event* eve
 }
 
 int cargobay_describe_event(const struct cargobay_event* event, char* text, size_t text_size) {
-  if (text == nullptr) return bad_argument("`text` is NULL: give it room, 300 characters do");
+  if (text == nullptr)
+    return bad_argument("`text` is NULL: give it room; 300 characters are enough");
   return guarded([&] {
     cargobay_event known{};
-    if (!take(event, known)) return bad_argument("`event` is NULL or not of cargobay_next_event()");
+    if (!take(event, known))
+      return bad_argument("`event` is NULL or not from cargobay_next_event()");
     if (known.kind < 0 || static_cast<std::size_t>(known.kind) >= cargobay::hal::kEventKinds)
       return bad_argument("this library knows no event of that kind");
     return copy_text(cargobay::hal::describe(event_of(known)), text, text_size);
@@ -298,11 +300,11 @@ int cargobay_query(struct cargobay_robot* robot, int packet, int64_t timeout_ns,
   if (in_control()) return not_from_control("cargobay_query");
   if (value == nullptr) return bad_argument("`value` is NULL: give the address of an int32_t");
   if (packet < CARGOBAY_PACKET_BUMPS_AND_WHEEL_DROPS || packet >= CARGOBAY_PACKETS)
-    return bad_argument("`packet` is 7 to 42: groups are asked for packet by packet");
+    return bad_argument("`packet` must be 7 to 42: ask for groups packet by packet");
   if (packet == CARGOBAY_PACKET_DISTANCE || packet == CARGOBAY_PACKET_ANGLE) {
     return bad_argument(
-        "distance and angle are the loop's, which each read would take from it; use the odometry "
-        "of cargobay_state");
+        "distance and angle belong to the loop, and each read would take them from it; use the "
+        "odometry in cargobay_state");
   }
   return guarded([&] {
     const RobotUse use = robots().use(robot);

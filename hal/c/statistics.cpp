@@ -81,7 +81,8 @@ int cargobay_get_statistics(struct cargobay_robot* robot, struct cargobay_statis
 }
 
 int cargobay_missing_rights(struct cargobay_robot* robot, char* text, size_t text_size) {
-  if (text == nullptr) return bad_argument("`text` is NULL: give it room, 1500 characters do");
+  if (text == nullptr)
+    return bad_argument("`text` is NULL: give it room; 1500 characters are enough");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
     if (!use) return bad_robot(robot);
@@ -131,7 +132,7 @@ int cargobay_histogram_percentile(struct cargobay_histogram* histogram, double p
                                   int64_t* time_ns) {
   if (time_ns == nullptr) return bad_argument("`time_ns` is NULL: give the address of an int64_t");
   const bool sensible = percent >= 0.0 && percent <= 100.0;  // false for NaN
-  if (!sensible) return bad_argument("`percent` is 0 to 100");
+  if (!sensible) return bad_argument("`percent` must be 0 to 100");
   return guarded([&] {
     const auto use = histograms().use(histogram);
     if (!use) return bad_histogram(histogram);
@@ -144,7 +145,7 @@ int cargobay_histogram_percentile(struct cargobay_histogram* histogram, double p
 int cargobay_copy_histogram(struct cargobay_robot* robot, int measure,
                             struct cargobay_histogram* histogram) {
   if (measure != CARGOBAY_MEASURE_PERIOD && measure != CARGOBAY_MEASURE_FRAME_TO_COMMAND)
-    return bad_argument("`measure` is one of enum cargobay_measure");
+    return bad_argument("`measure` must be one of enum cargobay_measure");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
     if (!use) return bad_robot(robot);

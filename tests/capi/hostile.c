@@ -47,11 +47,11 @@ static void refuses_other_kinds(void) {
   CHECK_FAILS(cargobay_open(&options, &second), CARGOBAY_E_HANDLE, "not of a virtual Create");
 
   /* Numbers that were never handles, and memory that is not a handle. */
-  every_robot_function_refuses((void*)(here + ((uintptr_t)here & 1u)), "no handle");
-  every_robot_function_refuses((void*)(uintptr_t)1, "no handle");
+  every_robot_function_refuses((void*)(here + ((uintptr_t)here & 1u)), "not a handle");
+  every_robot_function_refuses((void*)(uintptr_t)1, "not a handle");
   every_sim_function_refuses((void*)UINTPTR_MAX, "virtual Create");
-  every_sim_function_refuses((void*)(uintptr_t)2, "no handle");
-  every_histogram_function_refuses((void*)(UINTPTR_MAX - 1), "no handle");
+  every_sim_function_refuses((void*)(uintptr_t)2, "not a handle");
+  every_histogram_function_refuses((void*)(UINTPTR_MAX - 1), "not a handle");
   for (unsigned bit = 0; bit < 8 * sizeof(void*); ++bit) {
     const uintptr_t forged = (uintptr_t)robot ^ ((uintptr_t)1 << bit);
     CHECK(cargobay_request_stop((void*)forged) == CARGOBAY_E_HANDLE);
