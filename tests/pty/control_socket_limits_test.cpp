@@ -136,7 +136,7 @@ TEST(ControlSocketLimits, SaysThatNoMoreClientsFit) {
   for (const auto& caller : callers) EXPECT_EQ(caller->ask("bump none"), "ok");
   const Caller one_more{desk.path};
   EXPECT_EQ(one_more.receive(),
-            "error: 16 clients are connected, which is the most; let one of them go");
+            "error: 16 clients are connected, which is the most; disconnect one");
   EXPECT_EQ(one_more.receive(), "") << "hung up";
   callers.pop_back();
   EXPECT_TRUE(eventually([&] { return Caller{desk.path}.ask("bump none") == "ok"; }));
@@ -184,7 +184,7 @@ TEST(ControlSocketLimits, AnswersAClientThatHasSaidAllItWill) {
     caller.shut_down(SHUT_WR);
     EXPECT_EQ(caller.receive(), "ok");
     EXPECT_TRUE(caller.receive().starts_with("{\"mode\":"));
-    EXPECT_EQ(caller.receive(), "error: the last line has no end; send a line feed after each");
+    EXPECT_EQ(caller.receive(), "error: the last line does not end; send a line feed after each");
     EXPECT_EQ(caller.receive(), "") << "hung up";
   }
   const Caller deaf{desk.path};

@@ -220,15 +220,15 @@ TEST(SimCommand, SaysWhatIsWrongWithItsOptions) {
   const std::string file = folder.write("notes", "mine");
   const std::string bad_world = folder.write("bad.world", "wall 0 0 1 1\nhole 1 2 3\n");
   const BadOptions cases[] = {
-      {{"--fault", "earthquake"}, 2, "no fault is called 'earthquake'; there are: none lost"},
-      {{"--fault", "lost 2"}, 2, "it is 'lost P [DIRECTION]'"},
+      {{"--fault", "earthquake"}, 2, "unknown fault 'earthquake'; the faults are: none lost"},
+      {{"--fault", "lost 2"}, 2, "the usage is 'lost P [DIRECTION]'"},
       {{"--fault", "at noon text"}, 2, "at SECONDS NAME"},
       {{"--count", "0"}, 2, "--count"},
       {{"--count", "1000"}, 2, "--count"},
       {{"--power-on", "later"}, 2, "--power-on"},
       {{"--battery", "0"}, 2, "--battery"},
       {{"--world", folder.path("none")}, 1, "name a file that can be read"},
-      {{"--world", bad_world}, 1, "line 2: 'hole' is none of wall"},
+      {{"--world", bad_world}, 1, "line 2: 'hole' is not one of wall"},
       {{"--control", file}, 1, "name another path, or remove what is there"},
       {{"--control", folder.path("none/socket")}, 1, "name a path in a directory"},
       {{"--trace", folder.path("none/way.svg")}, 1, "name a file in a folder that exists"},

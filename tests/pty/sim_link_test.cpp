@@ -57,13 +57,13 @@ TEST(SimLink, RefusesEverythingElseInItsPlace) {
     const char* says;
   };
   const Case cases[] = {
-      {"to-a-file", file, "to no virtual Create: remove it or name another"},
-      {"to-nothing", "/nowhere", "to no virtual Create"},
-      {"to-a-folder", "/tmp", "to no virtual Create"},
-      {"to-a-port", "/dev/ttyUSB0", "to no virtual Create"},
-      {"relative", "pts/3", "to no virtual Create"},
-      {"to-more-than-a-number", "/dev/pts/3x", "to no virtual Create"},
-      {"to-the-folder-of-ptys", "/dev/pts/", "to no virtual Create"},
+      {"to-a-file", file, "which is not a virtual Create: remove it or name another"},
+      {"to-nothing", "/nowhere", "which is not a virtual Create"},
+      {"to-a-folder", "/tmp", "which is not a virtual Create"},
+      {"to-a-port", "/dev/ttyUSB0", "which is not a virtual Create"},
+      {"relative", "pts/3", "which is not a virtual Create"},
+      {"to-more-than-a-number", "/dev/pts/3x", "which is not a virtual Create"},
+      {"to-the-folder-of-ptys", "/dev/pts/", "which is not a virtual Create"},
       {"to-a-living-pty", (*living)->device_path(), "which is in use"},
   };
   for (const Case& each : cases) {
@@ -79,7 +79,7 @@ TEST(SimLink, RefusesEverythingElseInItsPlace) {
   for (const std::string& path : {file, folder.path("folder")}) {
     const auto port = PtyPort::open(path, 57600);
     ASSERT_FALSE(port) << path;
-    EXPECT_THAT(port.failure().message, HasSubstr("it is no symbolic link: remove it or name"));
+    EXPECT_THAT(port.failure().message, HasSubstr("it is not a symbolic link: remove it or name"));
   }
   EXPECT_EQ(contents(file), "mine");
 }

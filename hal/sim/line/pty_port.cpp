@@ -55,12 +55,13 @@ std::optional<std::string> reason_to_keep(const std::string& link, const std::st
   constexpr const char* kRemedy = ": remove it or name another";
   struct stat status{};
   if (lstat(link.c_str(), &status) != 0) return std::nullopt;
-  if (!S_ISLNK(status.st_mode)) return std::string{"it is no symbolic link"} + kRemedy;
+  if (!S_ISLNK(status.st_mode)) return std::string{"it is not a symbolic link"} + kRemedy;
   const std::string target = link_target(link);
-  if (!is_pty_path(target)) return "it leads to " + target + ", to no virtual Create" + kRemedy;
+  if (!is_pty_path(target))
+    return "it points to " + target + ", which is not a virtual Create" + kRemedy;
   if (status.st_uid != geteuid()) return std::string{"it is another user's"} + kRemedy;
   if (target == ours || !exists(target)) return std::nullopt;
-  return "it leads to " + target +
+  return "it points to " + target +
          ", which is in use: end the `cargobay sim` that serves it, or name another link (if it is "
          "another program's, remove the link)";
 }

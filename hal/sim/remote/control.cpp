@@ -240,7 +240,7 @@ Answer to_switch(std::string_view rest, Cable& cable) {
 
 constexpr std::array kControls{
     ControlInfo{"power", "", "presses the power button", &to_robot<press_power>},
-    ControlInfo{"press", "play|advance [MS]", "presses a button, for 200 ms unless said otherwise",
+    ControlInfo{"press", "play|advance [MS]", "presses a button, for 200 ms by default",
                 &to_robot<press>},
     ControlInfo{"hold", "play|advance", "holds a button down", &to_inputs<hold>},
     ControlInfo{"release", "play|advance", "lets go of it", &to_inputs<release>},
@@ -254,7 +254,7 @@ constexpr std::array kControls{
                 &to_switch<&Inputs::virtual_wall>},
     ControlInfo{"charger", "on|off", "plugs the charger in", &to_switch<&Inputs::charger>},
     ControlInfo{"home-base", "on|off", "puts it on its Home Base", &to_switch<&Inputs::home_base>},
-    ControlInfo{"ir", "BYTE", "sends it an infrared byte until the next; 255 is none",
+    ControlInfo{"ir", "BYTE", "sends it this infrared byte until the next; 255 is none",
                 &to_inputs<set_infrared>},
     ControlInfo{"digital-in", "N 0|1", "sets digital input 0 to 3", &to_inputs<set_digital_in>},
     ControlInfo{"analog-in", "N", "sets the analog input, 0 to 1023", &to_inputs<set_analog_in>},
@@ -265,7 +265,7 @@ constexpr std::array kControls{
                 &to_robot<set_power_toggle>},
     ControlInfo{"battery", "MAH", "sets the charge", &to_robot<set_battery>},
     ControlInfo{"battery-pack", "rechargeable|alkaline",
-                "puts a full one in, which it forgets all over", &to_robot<change_battery>},
+                "puts a full one in, and the robot forgets everything", &to_robot<change_battery>},
     ControlInfo{"charging", "normal|waiting|fault",
                 "gives its charger something to wait for or a fault", &to_robot<set_charging>},
     ControlInfo{"place", "X_MM Y_MM HEADING_DEG", "puts it there", &to_robot<place>},
@@ -273,7 +273,7 @@ constexpr std::array kControls{
                 "turns its wheels by hand while its motors are off", &to_robot<turn_wheels>},
     ControlInfo{"fault", "NAME [ARGUMENTS]", "makes something go wrong; `fault` alone lists what",
                 &fault},
-    ControlInfo{"state", "", "tells all about it, as JSON", &state},
+    ControlInfo{"state", "", "prints its whole state, as JSON", &state},
     ControlInfo{"help", "", "lists these", &help},
 };
 
@@ -300,13 +300,13 @@ std::string control(std::string_view line, Cable& cable) {
       std::find_if(kControls.begin(), kControls.end(),
                    [name](const ControlInfo& each) { return each.name == name; });
   if (info == kControls.end()) {
-    return "error: no command is called '" + std::string{name} + "'; there are: " + names();
+    return "error: unknown command '" + std::string{name} + "'; the commands are: " + names();
   }
   if (const std::optional<std::string> answer = info->apply(rest, cable))
     return answer->empty() ? "ok" : *answer;
   std::string usage{name};
   if (!info->arguments.empty()) usage += " " + std::string{info->arguments};
-  return "error: it is '" + usage + "'";
+  return "error: the usage is '" + usage + "'";
 }
 
 }  // namespace cargobay::hal::sim

@@ -108,7 +108,7 @@ bool ControlConnection::answer_next(const Answers& answers) {
     unsent_ = "error: the line is too long";
   } else {
     unsent_ = whole ? answers(std::string_view{received_}.substr(0, length))
-                    : "error: the last line has no end; send a line feed after each";
+                    : "error: the last line does not end; send a line feed after each";
   }
   unsent_ += '\n';
   received_.erase(0, whole ? length + 1 : received_.size());

@@ -239,7 +239,7 @@ void ControlSocket::accept_client() {
     clients_.push_back(std::move(client));
   } else {
     client.dismiss("error: " + std::to_string(kMostClients) +
-                   " clients are connected, which is the most; let one of them go");
+                   " clients are connected, which is the most; disconnect one");
   }
 }
 

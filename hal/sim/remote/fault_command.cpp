@@ -130,7 +130,7 @@ constexpr std::array kFaults{
               [](std::string_view rest, Cable& cable) {
                 return set_probability(&ByteFaults::duplicated, rest, cable);
               }},
-    FaultInfo{"inserted", "P [DIRECTION]", "random bytes arrive behind others",
+    FaultInfo{"inserted", "P [DIRECTION]", "random bytes arrive after others",
               [](std::string_view rest, Cable& cable) {
                 return set_probability(&ByteFaults::inserted, rest, cable);
               }},
@@ -138,17 +138,17 @@ constexpr std::array kFaults{
               [](std::string_view rest, Cable& cable) {
                 return set_count(rest, 1, cable.device().faults().garbled_frames);
               }},
-    FaultInfo{"stalled-stream", "MS", "the stream has no frames for so long", &stall_stream},
+    FaultInfo{"stalled-stream", "MS", "the stream has no frames for that long", &stall_stream},
     FaultInfo{"burst", "on|off", "bytes arrive as through a USB adapter with a 16 ms timer",
               &set_burst},
-    FaultInfo{"jitter", "MS", "each byte arrives up to so much later; 0 ends it",
+    FaultInfo{"jitter", "MS", "each byte arrives up to that much later; 0 ends it",
               [](std::string_view rest, Cable& cable) {
                 return set_milliseconds(rest, cable.faults_to_host().jitter);
               }},
     FaultInfo{"held", "N MS",
-              "each Nth frame is held back for so long, and what follows queues; 0 ends it",
+              "each Nth frame is held back for that long, and what follows queues; 0 ends it",
               &set_held},
-    FaultInfo{"unplugged", "", "nothing goes through the line any more",
+    FaultInfo{"unplugged", "", "nothing passes through the line",
               [](std::string_view rest, Cable& cable) {
                 return no_more_words(rest) && set_unplugged(true, cable);
               }},
@@ -157,14 +157,14 @@ constexpr std::array kFaults{
                 return no_more_words(rest) && set_unplugged(false, cable);
               }},
     FaultInfo{"brown-out", "",
-              "the battery fails for an instant: the robot boots and has forgotten all",
+              "the battery fails for an instant: the robot boots and has forgotten everything",
               [](std::string_view rest, Cable& cable) {
                 if (!no_more_words(rest)) return false;
                 cable.device().brown_out();
                 return true;
               }},
     FaultInfo{"wrong-baud", "BAUD", "the robot changes its rate by itself", &set_wrong_baud},
-    FaultInfo{"half-command", "", "the robot waits for the data of a command that nobody sent",
+    FaultInfo{"half-command", "", "the robot waits for the data of a command that was never sent",
               [](std::string_view rest, Cable& cable) {
                 if (!no_more_words(rest)) return false;
                 cable.device().take_half_command();
@@ -188,14 +188,14 @@ std::string apply_fault(std::string_view command, Cable& cable) {
       std::find_if(kFaults.begin(), kFaults.end(),
                    [name](const FaultInfo& fault) { return fault.name == name; });
   if (info == kFaults.end()) {
-    std::string message = "no fault is called '" + std::string{name} + "'; there are:";
+    std::string message = "unknown fault '" + std::string{name} + "'; the faults are:";
     for (const FaultInfo& fault : kFaults) message += " " + std::string{fault.name};
     return message;
   }
   if (info->apply(rest, cable)) return {};
   std::string usage{name};
   if (!info->arguments.empty()) usage += " " + std::string{info->arguments};
-  return "it is '" + usage + "'";
+  return "the usage is '" + usage + "'";
 }
 
 }  // namespace cargobay::hal::sim

@@ -52,9 +52,10 @@ std::string add_line(std::string_view line, World& world) {
                                         [name](const Kind& each) { return each.name == name; });
   if (kind == kKinds.end()) {
     return "'" + std::string{name} +
-           "' is none of wall, box, post, cliff, virtual-wall, home-base, start";
+           "' is not one of wall, box, post, cliff, virtual-wall, home-base, start";
   }
-  std::string usage = "it is '" + std::string{name} + " " + std::string{kind->arguments} + "'";
+  std::string usage =
+      "the usage is '" + std::string{name} + " " + std::string{kind->arguments} + "'";
   std::array<double, kMostNumbers> numbers{};
   for (std::size_t i = 0; i < kind->numbers; ++i) {
     const std::optional<double> number = to_number(next_word(rest), -kFarthest, kFarthest);

@@ -285,9 +285,9 @@ TEST(Faults, SayWhatIsWrongWithACommand) {
                           "junk-reading 1 2",
                           "brown-out 3"}) {
     const std::string message = robot.fault(bad);
-    EXPECT_EQ(message.substr(0, 7), "it is '") << bad;
+    EXPECT_EQ(message.substr(0, 7), "the usage is '") << bad;
   }
-  EXPECT_NE(robot.fault("earthquake").find("no fault is called 'earthquake'"), std::string::npos);
+  EXPECT_NE(robot.fault("earthquake").find("unknown fault 'earthquake'"), std::string::npos);
   EXPECT_NE(robot.fault("").find("brown-out"), std::string::npos);
   EXPECT_EQ(whole_frames(robot.stream(150ms)), 10U) << "nothing was changed";
 }
@@ -296,7 +296,7 @@ TEST(Faults, AreAllKnownByTheirNames) {
   Streaming robot;
   for (const FaultInfo& fault : faults()) {
     const std::string message = robot.fault(std::string{fault.name} + " 1 2 3 4");
-    EXPECT_EQ(message.find("no fault is called"), std::string::npos) << fault.name;
+    EXPECT_EQ(message.find("unknown fault"), std::string::npos) << fault.name;
   }
 }
 

@@ -217,7 +217,7 @@ TEST(Control, MakesThingsGoWrong) {
   EXPECT_EQ(robot.say("fault jitter 5\r"), "ok");
   EXPECT_EQ(robot.link.cable().faults_to_host().jitter, 5ms);
   EXPECT_EQ(robot.say("fault").substr(0, 7), "error: ");
-  EXPECT_EQ(robot.say("fault jitter").substr(0, 14), "error: it is '");
+  EXPECT_EQ(robot.say("fault jitter").substr(0, 14), "error: the usage is '");
 }
 
 TEST(Control, SaysWhatIsWrong) {
@@ -263,9 +263,10 @@ TEST(Control, SaysWhatIsWrong) {
                           "place 1 2 3 4",
                           "state now",
                           "help me"}) {
-    EXPECT_EQ(robot.say(bad).substr(0, 14), "error: it is '") << bad << ": " << robot.say(bad);
+    EXPECT_EQ(robot.say(bad).substr(0, 14), "error: the usage is '")
+        << bad << ": " << robot.say(bad);
   }
-  EXPECT_NE(robot.say("dance").find("no command is called 'dance'"), std::string::npos);
+  EXPECT_NE(robot.say("dance").find("unknown command 'dance'"), std::string::npos);
   EXPECT_EQ(robot.say("").substr(0, 7), "error: ");
 }
 
@@ -273,7 +274,7 @@ TEST(Control, AnswersEveryCommandThatItLists) {
   Controlled robot;
   for (const ControlInfo& info : controls()) {
     const std::string answer = robot.say(info.name);
-    EXPECT_EQ(answer.find("no command is called"), std::string::npos) << info.name;
+    EXPECT_EQ(answer.find("unknown command"), std::string::npos) << info.name;
     EXPECT_EQ(answer.find('\n'), std::string::npos) << info.name;
   }
 }

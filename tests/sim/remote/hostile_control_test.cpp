@@ -63,7 +63,8 @@ struct StandingRobot : Robot {
 // Refused, with one line that says what is wanted.
 void expect_refusal(StandingRobot& robot, const std::string& line) {
   const std::string answer = robot.say(line);
-  const bool says = answer.starts_with("error: it is '") || answer.starts_with("error: no ");
+  const bool says =
+      answer.starts_with("error: the usage is '") || answer.starts_with("error: unknown ");
   EXPECT_TRUE(says) << line << ": " << answer;
   EXPECT_EQ(answer.find('\n'), std::string::npos);
 }
