@@ -146,7 +146,7 @@ void add_bringup(CLI::App& app, Action& chosen) {
       ->check(CLI::IsMember({"passive", "safe", "full"}))
       ->capture_default_str();
   command->add_flag("--virtual", options->builtin,
-                    "Use a virtual Create of its own, though the configuration names a port");
+                    "Use a virtual Create of its own, even if the configuration names a port");
   command->add_option("--json", options->json_file,
                       "Write steps and result to this file; - for standard output");
   add_pin_options(*command, options->pins);

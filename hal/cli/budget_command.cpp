@@ -39,7 +39,7 @@ int budget(const BudgetOptions& options) {
     return kFailure;
   }
   if (!oi::baud_code(options.baud).has_value()) {
-    print_error(fmt::format("the robot has no {} baud; choose from {}", options.baud,
+    print_error(fmt::format("the robot does not support {} baud; choose from {}", options.baud,
                             fmt::join(oi::kBaudRates, ", ")));
     return kFailure;
   }
@@ -56,7 +56,7 @@ int budget(const BudgetOptions& options) {
        {std::pair{"Pi 0 to 3 (wakes at 8 bytes)", oi::kPl011HalfFifoPi0To3},
         std::pair{"Pi 4 and 5 (wakes at 16 bytes)", oi::kPl011HalfFifoPi4And5}}) {
     fmt::print("On a PL011, {}:\n", board);
-    print_line("  receive time-out behind the frame",
+    print_line("  receive time-out after the frame",
                in_ms(oi::pl011_delay(frame, options.baud, half_fifo)));
     print_line("  first sensor bit to last command bit",
                in_ms(oi::control_delay(frame, options.baud, half_fifo)));
@@ -74,11 +74,11 @@ void add_budget(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand(
       "budget",
       "Say what a stream costs on the wire: bytes, time, whether it fits the robot's 15 ms tick,\n"
-      "and the delay of control that follows. Exit code 1 where it does not fit.");
+      "and the delay of control that follows. Exit status 1 if it does not fit.");
   command->add_option("--baud", options->baud, "Baud rate")->capture_default_str();
   command
       ->add_option("--packets", options->packets,
-                   "Packets by number or name, with commas between; the default is the loop's own")
+                   "Packets by number or name, separated by commas; the default is the loop's own")
       ->capture_default_str();
   command->footer("Example: cargobay budget --baud 19200 --packets 6");
   command->callback([options, &chosen] { chosen = [options] { return budget(*options); }; });

@@ -138,7 +138,7 @@ std::optional<hal::Failure> write_config(const std::string& file,
 std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outputs) {
   if (!(options.speed_mm_s >= 100.0 && options.speed_mm_s <= 400.0)) {
     return hal::Failure{
-        fmt::format("--speed {:g} is not from 100 to 400 mm/s", options.speed_mm_s)};
+        fmt::format("--speed {:g} is not between 100 and 400 mm/s", options.speed_mm_s)};
   }
   if (options.write_file == "-")
     return hal::Failure{"--write needs the name of a file, such as /etc/cargobay.toml"};
@@ -167,8 +167,8 @@ std::optional<hal::Failure> report(const CalibrateOptions& options,
 // The robot is about to move: gives its owner a moment. Returns the signal that came meanwhile.
 std::optional<int> warn(const CalibrateOptions& options, StopSignals& signals) {
   print_remark(
-      fmt::format("the robot will go about {:.0f} mm ahead and back, then turn about each "
-                  "wheel, for {:.0f} s; keep the floor free (Ctrl-C stops it)",
+      fmt::format("the robot will drive about {:.0f} mm forward and back, then turn about each "
+                  "wheel, for {:.0f} s; keep the floor clear (Ctrl-C stops it)",
                   2.0 * options.speed_mm_s, hal::Calibration::duration_s()));
   return signals.wait(kWarning);
 }
@@ -232,13 +232,14 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand(
       "calibrate",
       "Measure wheel base, lag and droop of the wheels and the kind of remainder, by driving a "
-      "known\npattern: ahead and back, then turns about each wheel. It needs half a metre of free "
-      "floor around\nthe robot. Without --port, on a virtual Create of its own.");
+      "known\npattern: forward and back, then turns about each wheel. It needs half a metre of "
+      "clear floor\naround the robot. Without --port, on a virtual Create of its own.");
   add_port_options(*command, options->port);
   command->add_option("--speed", options->speed_mm_s, "Speed of the wheels in mm/s, 100 to 400")
       ->capture_default_str();
-  command->add_option("--write", options->write_file,
-                      "Put what was measured into this configuration file; all else in it stays");
+  command->add_option(
+      "--write", options->write_file,
+      "Write the measured values to this configuration file; the rest of it is left as it is");
   command->add_option("--json", options->json_file,
                       "Write the result to this file; - for standard output");
   add_pin_options(*command, options->pins);

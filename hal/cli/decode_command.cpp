@@ -97,7 +97,7 @@ int describe(const DecodeOptions& options, const Bytes& bytes, Side side) {
   std::fflush(stdout);
   if (described.unsound == 0) return kSuccess;
   print_error(described.needed != 0
-                  ? fmt::format("the bytes end too early: needs {} more byte{}", described.needed,
+                  ? fmt::format("the bytes end too early: {} more byte{} needed", described.needed,
                                 described.needed == 1 ? "" : "s")
                   : "some of the bytes are not what the manual allows; they are marked with !");
   return kFailure;
@@ -128,22 +128,23 @@ void add_decode(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<DecodeOptions>();
   CLI::App* command = app.add_subcommand(
       "decode",
-      "Say what each byte means: of commands to the robot, of the robot's stream, or of a reply.\n"
-      "Exit code 1 where bytes are missing, wrong or unknown.");
+      "Say what each byte means: in commands to the robot, in the robot's stream, or in a "
+      "reply.\nExit status 1 if bytes are missing, wrong or unknown.");
   take_words(*command, "[HEX...]",
-             "bytes in any usual spelling: 89 ff, 0x89, 89FF38. Without HEX, or for '-': standard "
+             "bytes in any usual spelling: 89 ff, 0x89, 89FF38. Without HEX, or with '-': standard "
              "input.");
   command
       ->add_option("--from", options->from,
                    "Who sends the bytes: host (or: command) or robot (or: stream); by default "
-                   "what the first byte looks like")
+                   "judged by the first byte")
       ->check(CLI::IsMember({"host", "command", "robot", "stream"}));
   command->add_option("--packets", options->packets,
                       "The bytes are the reply to Sensors or Query List for these packets");
   command->add_flag("--decimal", options->decimal, "The bytes are written in decimal, 137 255");
   command->add_option("--binary", options->binary,
-                      "The bytes themselves are in this file; - for standard input");
-  command->add_flag("--text", options->text_only, "Print the commands' text alone, for encode");
+                      "Read the raw bytes from this file; - for standard input");
+  command->add_flag("--text", options->text_only,
+                    "Print only the text of the commands, for encode");
   command->footer(
       "Examples:\n"
       "  cargobay decode 89 ff 38 01 f4\n"

@@ -55,10 +55,10 @@ void add_doctor(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand(
       "doctor",
-      "Look for what spoils real time or the link on this machine, and say what to do about it.\n"
-      "Changes nothing. Exit status 1 where something is bad; advice is not.");
+      "Look for what spoils real time or the link on this machine, and say what to do about "
+      "it.\nChanges nothing. Exit status 1 if something is bad; advice does not count.");
   command->add_option("--port", options->port,
-                      "Look at this serial port too, and at who has it open");
+                      "Check this serial port too, and which processes have it open");
   command->add_option("--priority", options->priority, "SCHED_FIFO priority of the loop")
       ->check(CLI::Range(1, 98))
       ->capture_default_str();

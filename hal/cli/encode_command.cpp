@@ -44,8 +44,8 @@ void add_encode(CLI::App& app, Action& chosen) {
       app.add_subcommand("encode", "Print the bytes of Open Interface commands, in hexadecimal.");
   take_words(*command, "TEXT...",
              "the manual's command names in lower case with underscores, arguments left before "
-             "right,\ncommands separated by ';'. Without TEXT, or for '-': standard input.");
-  command->add_flag("--binary", *binary, "Write the bytes themselves instead");
+             "right,\ncommands separated by ';'. Without TEXT, or with '-': standard input.");
+  command->add_flag("--binary", *binary, "Write the raw bytes instead");
   command->footer(
       "Examples:\n"
       "  cargobay encode drive -200 500\n"

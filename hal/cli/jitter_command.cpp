@@ -92,8 +92,7 @@ class Load {
     if (error == 0) return std::nullopt;
     child_ = -1;
     return hal::Failure{
-        "--load needs stress-ng, which is not there; install it: apt-get install "
-        "stress-ng"};
+        "--load needs stress-ng, which is not installed; install it: apt-get install stress-ng"};
   }
 
  private:
@@ -178,7 +177,8 @@ std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
     if (caught && !signal) signal = caught;
     if (signal) stop.store(true);
     if (live)
-      fmt::print(stderr, "\r\033[Kmeasuring, {:3.0f} % done; Ctrl-C ends it with what there is",
+      fmt::print(stderr,
+                 "\r\033[Kmeasuring, {:3.0f} % done; Ctrl-C ends it and keeps what was measured",
                  100.0 * share.load());
   }
   if (live) fmt::print(stderr, "\r\033[K");
@@ -281,13 +281,13 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
 }
 
 void add_compare(CLI::App& jitter, Action& chosen) {
-  CLI::App* command =
-      jitter.add_subcommand("compare",
-                            "Put results side by side, each against the first, with confidence.\n"
-                            "Ratios whose intervals do not hold 1 differ by more than chance.");
+  CLI::App* command = jitter.add_subcommand(
+      "compare",
+      "Put results side by side, each against the first, with confidence intervals.\nRatios whose "
+      "intervals do not contain 1 differ by more than chance.");
   auto files = std::make_shared<std::vector<std::string>>();
   auto plot = std::make_shared<std::string>();
-  command->add_option("FILE", *files, "What --json wrote")->required()->expected(2, 16);
+  command->add_option("FILE", *files, "Results written by --json")->required()->expected(2, 16);
   command->add_option("--plot", *plot, "Draw all of them into this SVG file");
   command->callback(
       [files, plot, &chosen] { chosen = [files, plot] { return run_compare(*files, *plot); }; });
@@ -299,19 +299,19 @@ void add_jitter(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<JitterOptions>();
   CLI::App* command = app.add_subcommand(
       "jitter",
-      "Measure the timing of the loop on this machine, beside what the same kernel does at its "
-      "best.\n"
-      "Channels, in turn, a slice each, so that the machine's moods meet them all:\n"
+      "Measure the timing of the loop on this machine, next to the best that the same kernel can "
+      "do.\nChannels, measured in turn, a slice at a time, so that disturbances reach all of them "
+      "alike:\n"
       "  robot  the loop on a robot: --port, or a virtual Create at its 15 ms\n"
       "  loop   the same loop on frames that come every --period, over a pseudo-terminal\n"
-      "  echo   a bare poll, read and write in its place: the least that any program must do\n"
-      "  again  echo once more; what the two differ by is the noise\n"
+      "  echo   a bare poll, read and write in its place: the least that any program has to do\n"
+      "  again  echo once more; the difference between the two is the noise\n"
       "  pipe   echo through pipes: what the terminal layer costs\n"
       "  sleep  a sleep until an absolute time, as cyclictest measures it\n"
       "Percentiles count what a late frame kept waiting (corrected for coordinated omission).");
   command->require_subcommand(0, 1);
   add_port_options(*command, options->connection);
-  command->add_option("--channels", options->channels, "Which of them, with commas between")
+  command->add_option("--channels", options->channels, "Which of them, separated by commas")
       ->delimiter(',')
       ->check(CLI::IsMember(
           std::vector<std::string>{jitter::kChannelNames.begin(), jitter::kChannelNames.end()}));
@@ -319,7 +319,8 @@ void add_jitter(CLI::App& app, Action& chosen) {
       ->check(in_range(1.0, 86400.0))
       ->capture_default_str();
   command
-      ->add_option("--frames", options->frames, "Instead: so many for each channel but the robot")
+      ->add_option("--frames", options->frames,
+                   "Instead of a time: this many frames for each channel except robot")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}));
   command->add_option("--period", options->period_ms, "Milliseconds from frame to frame")
       ->check(in_range(1.0, 15.0))
@@ -331,11 +332,12 @@ void add_jitter(CLI::App& app, Action& chosen) {
   command->add_option("--warm-up", options->warm_up, "Frames of each slice that are not counted")
       ->check(CLI::Range(std::size_t{0}, std::size_t{10'000}))
       ->capture_default_str();
-  command->add_flag("--load", options->load, "Load all CPUs with stress-ng meanwhile");
+  command->add_flag("--load", options->load, "Load all CPUs with stress-ng while measuring");
   command->add_option(
       "--hold-every", options->hold_every,
       "Hold back every Nth frame of loop, echo and a virtual Create, to see it reported");
-  command->add_option("--hold", options->hold_ms, "Milliseconds that such a frame is held back")
+  command
+      ->add_option("--hold", options->hold_ms, "Milliseconds for which such a frame is held back")
       ->check(in_range(0.1, 1000.0))
       ->capture_default_str();
   command->add_option("--json", options->json_file,
@@ -343,8 +345,8 @@ void add_jitter(CLI::App& app, Action& chosen) {
   command->add_option("--hgrm", options->hgrm_prefix,
                       "Write HdrHistogram percentiles to PREFIX-<channel>.hgrm, microseconds");
   command->add_option("--cyclictest", options->cyclictest_file,
-                      "Write a histogram as cyclictest -h does, a column a channel");
-  command->add_option("--bucket", options->bucket_us, "Microseconds to a line of that histogram")
+                      "Write a histogram as cyclictest -h does, one column per channel");
+  command->add_option("--bucket", options->bucket_us, "Microseconds per line of that histogram")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--plot", options->plot_file, "Draw percentile curves and histograms, SVG");

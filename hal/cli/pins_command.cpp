@@ -94,7 +94,7 @@ void add_pins(CLI::App& app, Action& chosen) {
                       "Print each edge of this line, by offset or name, and the time since the "
                       "last");
   command->add_option("--chip", options->watched.chip, "Its chip, by label or name");
-  command->add_flag("--active-low", options->active_low, "It comes through an inverter");
+  command->add_flag("--active-low", options->active_low, "The line comes through an inverter");
   command->callback([options, &chosen] { chosen = [options] { return pins(*options); }; });
 }
 

@@ -82,7 +82,8 @@ void add_plot(CLI::App& app, Action& chosen) {
       "plot",
       "Draw a recorded drive: set, estimated and commanded speed of both wheels, and the time\n"
       "between its frames, in which late and lost ones stand out.");
-  command->add_option("file", options->file, "A file of drive --record; - for standard input")
+  command
+      ->add_option("file", options->file, "A file written by drive --record; - for standard input")
       ->required();
   command->add_option("-o,--output", options->output,
                       "The SVG file; - for standard output [FILE.svg]");

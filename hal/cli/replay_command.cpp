@@ -77,8 +77,8 @@ int compare_loop(const ReplayOptions& options, const hal::Recording& recording, 
   const std::string counted =
       fmt::format("{} frames, {} commands", result->frames, result->commands);
   if (!result->difference)
-    return conclude(options, json(*result), counted + ", all the same", outputs);
-  (void)conclude(options, json(*result), counted + " are the same, then they differ", outputs);
+    return conclude(options, json(*result), counted + ", all identical", outputs);
+  (void)conclude(options, json(*result), counted + " are identical, then they differ", outputs);
   const hal::ReplayDifference& first = *result->difference;
   print_error(fmt::format(
       "after tick {} ({:.3f} s) the {} differs: recorded {}, replayed {}; it was recorded by {}",
@@ -129,16 +129,17 @@ void add_replay(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand(
       "replay",
       "Run the loop again on a recorded drive: on the same bytes at the same times it must send\n"
-      "the same commands, and come to the same estimates, to the last bit. Exit status 1 where it\n"
-      "does not: another version of the program, another machine, or memory that is failing.");
-  command->add_option("file", options->file, "A file of drive --record; - for standard input")
+      "the same commands, and come to the same estimates, to the last bit. Exit status 1 if "
+      "it\ndoes not: another version of the program, another machine, or memory that is failing.");
+  command
+      ->add_option("file", options->file, "A file written by drive --record; - for standard input")
       ->required();
   command->add_option("--json", options->json_file,
                       "Write the results to this file; - for standard output");
   command
       ->add_option("--remainder", options->remainder,
-                   "Do not compare the loop, but estimate again: as of a robot that has the "
-                   "remainder carried or lost, or unknown, to be found out")
+                   "Do not compare the loop; estimate again, as for a robot whose remainder is "
+                   "carried or lost, or unknown and to be found out")
       ->check(CLI::IsMember({"carried", "lost", "unknown"}));
   command->add_option("--lag", options->lag_s, "The same, with this lag of the wheels in seconds")
       ->check(in_range(0.001, 10.0));

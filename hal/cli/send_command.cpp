@@ -169,7 +169,7 @@ class Sending {
     std::array<char, oi::kMaxCommandText> text{};
     const std::size_t size = oi::format_command(reply, text);
     fmt::print("{}\n", size != 0 ? std::string_view{text.data(), size}
-                                 : std::string_view{"the reply is no script"});
+                                 : std::string_view{"the reply is not a script"});
     return std::nullopt;
   }
 
@@ -211,8 +211,8 @@ class Sending {
   }
   std::optional<hal::Failure> not_sent() const {
     return hal::Failure{
-        fmt::format("the port takes no more bytes at {} baud; check the cable, and "
-                    "that the robot's end is running",
+        fmt::format("the port accepts no more bytes at {} baud; check the cable, and that the "
+                    "robot's end is running",
                     port_.baud())};
   }
   void begin_stream(bool streaming) {
@@ -241,14 +241,14 @@ class Sending {
     }
     if (begun_stream_ && talk_.streaming() && talk_.frames() == 0 &&
         port_.now() - begin > milliseconds{200}) {
-      print_remark("no frames came");
+      print_remark("no frames arrived");
     }
   }
 
   // Whatever happened before, the wheels must not be left turning.
   std::optional<hal::Failure> stop() {
     if (options_.leave_running && robot_.motion() != Motion::none)
-      print_remark("the wheels may be turning still, as asked for by --leave-running");
+      print_remark("the wheels may still be turning, as asked for by --leave-running");
     if (options_.leave_running || robot_.motion() == Motion::none) {
       duty_.waive();
       return std::nullopt;
@@ -259,8 +259,8 @@ class Sending {
     if (talk_.hung_up()) return hal::Failure{hung_up().message + hal::fate(left)};
     if (!left.standing()) {
       return hal::Failure{
-          "told the wheels to stop, but the robot does not answer; if it waits in a script it is "
-          "deaf until that is over: press its power button if it moves"};
+          "told the wheels to stop, but the robot does not answer; if it is waiting in a script it "
+          "is deaf until that ends: press its power button if it moves"};
     }
     print_remark(left.by_guard ? "the guard stopped the wheels" : "stopped the wheels");
     return std::nullopt;
@@ -316,22 +316,22 @@ void add_send(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand(
       "send",
       "Send Open Interface commands to a robot and print what it answers: sensor values, stored\n"
-      "script, stream frames, text. Where they set the wheels turning it stays until Ctrl-C, then "
-      "stops them.");
+      "script, stream frames, text. If they start the wheels it stays until Ctrl-C, then stops "
+      "them.");
   take_words(*command, "TEXT...",
-             "commands as for `cargobay encode`. Without TEXT, or for '-': standard input.");
+             "commands as for `cargobay encode`. Without TEXT, or with '-': standard input.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--listen", options->listen_s,
-                   "Seconds for which the frames of a stream are printed")
+                   "Print the frames of a stream for this many seconds")
       ->check(in_range(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--duration", options->duration_s,
-                   "Stop the wheels after so many seconds instead of at Ctrl-C")
+                   "Stop the wheels after this many seconds instead of at Ctrl-C")
       ->check(in_range(0.0, 1e6));
   command->add_flag("--leave-running", options->leave_running,
-                    "End at once and leave wheels and stream as they are");
+                    "Exit at once and leave wheels and stream as they are");
   command->footer(
       "Examples:\n"
       "  cargobay send --port /dev/ttyUSB0 'start; sensors oi_mode'\n"

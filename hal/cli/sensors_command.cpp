@@ -103,16 +103,16 @@ void add_sensors(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<SensorsOptions>();
   CLI::App* command = app.add_subcommand(
       "sensors",
-      "Show the robot's sensors, named and with units: a live table on a terminal, else one "
+      "Show the robot's sensors, named and with units: a live table on a terminal, otherwise one "
       "reading.\n"
       "A robot that is off is started, and stays in Passive; one that runs keeps its mode.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--packets", options->packets,
-                   "Packets by number or name, with commas between; 6 is all")
+                   "Packets by number or name, separated by commas; 6 is all")
       ->capture_default_str();
-  command->add_flag("--json", options->as_json, "One JSON object a frame, every 15 ms");
-  command->add_flag("--once", options->once, "One reading, then end");
+  command->add_flag("--json", options->as_json, "One JSON object per frame, every 15 ms");
+  command->add_flag("--once", options->once, "Take one reading, then exit");
   command->footer(
       "Examples:\n"
       "  cargobay sensors --port /dev/ttyUSB0\n"

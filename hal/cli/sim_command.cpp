@@ -166,7 +166,8 @@ int write_traces(const hal::sim::World& world, const std::vector<Served>& robots
 int run(const ServeOptions& options) {
   StopSignals signals;
   if (!oi::baud_code(options.boot_baud).has_value()) {
-    return fail(fmt::format("the robot has no {} baud; choose 57600 or 19200", options.boot_baud));
+    return fail(fmt::format("the robot does not support {} baud; choose 57600 or 19200",
+                            options.boot_baud));
   }
   hal::sim::World world;
   if (!options.world.empty()) {
@@ -197,7 +198,7 @@ int run(const ServeOptions& options) {
     print_remark(rt::explain({.right = rt::Refusal::Right::fifo,
                               .error = refused->server->priority_error(),
                               .wanted = options.priority}) +
-                 "; serving without");
+                 "; serving without it");
   }
   for (const Served& robot : robots) fmt::print("listening on {}\n", robot.announced);
   std::fflush(stdout);
@@ -211,9 +212,8 @@ int run(const ServeOptions& options) {
 
 std::string footer() {
   std::string text =
-      "Faults, P for each byte from 0 to 1, DIRECTION to-host (if none is said), to-robot or "
-      "both:\n" +
-      list_faults() + "\nCommands of the control socket, a line each, answered by a line:\n";
+      "Faults, P for each byte from 0 to 1, DIRECTION to-host (the default), to-robot or both:\n" +
+      list_faults() + "\nCommands of the control socket, one per line, each answered by a line:\n";
   for (const hal::sim::ControlInfo& command : hal::sim::controls()) {
     const std::string usage = fmt::format("{} {}", command.name, command.arguments);
     text += fmt::format("  {:<52}  {}\n", usage, command.meaning);
@@ -237,26 +237,27 @@ void add_places(CLI::App& command, ServeOptions& options) {
   command
       .add_option("--link", options.link,
                   "Make this symbolic link to the pseudo-terminal, and print it instead; a link "
-                  "that a virtual Create left there is replaced, anything else refused")
+                  "that a virtual Create left there is replaced, anything else is refused")
       ->check(printable_path());
   command
       .add_option("--control", options.control,
                   "Listen for commands on this Unix socket, for example: press play")
       ->check(printable_path());
   command.add_option("--world", options.world,
-                     "Let it live in the world of this text file; examples/worlds holds some");
+                     "Put it in the world that this text file describes; examples/worlds has some");
   command.add_option("--trace", options.trace,
-                     "Draw its way in its world to this SVG file at the end");
+                     "Draw its path through its world to this SVG file at the end");
   command
       .add_option("--count", options.count,
-                  "Serve so many robots, each alone in the world; the first has --link, --control "
-                  "and --trace end in .0 (.0.svg), and the seed of each is one more")
+                  "Serve this many robots, each alone in its world; --link, --control and --trace "
+                  "get the suffix .0 for the first (.0.svg), .1 for the next, and each seed is one "
+                  "more than the last")
       ->check(CLI::Range(std::size_t{1}, kMostRobots))
       ->capture_default_str();
   command
       .add_option("--fault", options.faults,
-                  "Let this go wrong from the beginning, or after 'at SECONDS', as in --fault "
-                  "'lost 0.01 both' --fault 'at 5 unplugged'; to be given as often as needed")
+                  "Inject this fault from the beginning, or after 'at SECONDS', as in --fault "
+                  "'lost 0.01 both' --fault 'at 5 unplugged'; may be repeated")
       ->type_size(1)
       ->allow_extra_args(false)
       ->check(CLI::Validator{[](const std::string& text) {
@@ -282,8 +283,8 @@ void add_sim(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command
       ->add_option("--batch", options->batch_bytes,
-                   "Hand bytes over to the client in batches of at most so many, as a UART's FIFO "
-                   "does; 1: each by itself")
+                   "Hand bytes over to the client in batches of at most this many, as a UART's "
+                   "FIFO does; 1: each by itself")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_option("--priority", options->priority, "Ask for this SCHED_FIFO priority; 0: none")

@@ -83,7 +83,7 @@ const BadInput kBadInputs[]{
     {"PlotFolder", {"--plot", "{folder}"}, "name a file"},
     {"RecordWithoutFolder", {"--record", "{folder}none/drive.rec"}, "name a file in a folder"},
     {"RecordFolder", {"--record", "{folder}"}, "name a file"},
-    {"RecordToStandardOutput", {"--record", "-"}, "--record needs the name of a file"},
+    {"RecordToStandardOutput", {"--record", "-"}, "--record needs a file name"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, DriveBadInputTest, testing::ValuesIn(kBadInputs),

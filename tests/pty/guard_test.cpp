@@ -196,7 +196,7 @@ TEST_F(GuardTest, RefusesADeadlineThatTheLoopCannotKeep) {
   for (const char* bad : {"39", "10001", "nan", "-1"}) {
     Command command{drive({"--guard-deadline", bad})};
     EXPECT_EQ(command.exit_code(), 1);
-    EXPECT_THAT(command.err(), OneErrorLine("is not from 40 to 10000 ms"));
+    EXPECT_THAT(command.err(), OneErrorLine("is not within 40 to 10000 ms"));
   }
 }
 

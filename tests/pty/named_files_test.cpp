@@ -232,7 +232,7 @@ TEST_F(OneFileTwiceTest, IsEditedWhereThatIsTheWish) {
   Command command{{"calibrate", "--port", port_, "--config", file("config.toml"), "--write",
                    file("config.toml")}};
   EXPECT_TRUE(eventually([&command] {
-    return !command.running() || command.err().find("keep the floor free") != std::string::npos;
+    return !command.running() || command.err().find("keep the floor clear") != std::string::npos;
   }));
   command.send(SIGINT);
   EXPECT_EQ(command.exit_code(), 128 + SIGINT) << command.err();
@@ -242,7 +242,7 @@ TEST_F(OneFileTwiceTest, IsEditedWhereThatIsTheWish) {
 TEST_F(OneFileTwiceTest, IsRefusedWhereThePortIsStandardOutput) {
   Command command{{"sensors", "--port", "/dev/fd/1"}, kOnTerminal};
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.err(), HasSubstr("is also where this command prints to"));
+  EXPECT_THAT(command.err(), HasSubstr("is also where this command prints"));
 }
 
 // A plain name among other files.

@@ -42,7 +42,7 @@ TEST_F(RecordTest, GoesFromDriveToReplayToPlot) {
   expect_replays();
   Command replays{{"replay", file_}};
   EXPECT_EQ(replays.exit_code(), 0);
-  EXPECT_THAT(replays.out(), HasSubstr("commands, all the same\n"));
+  EXPECT_THAT(replays.out(), HasSubstr("commands, all identical\n"));
 
   Command plots{{"plot", file_}};
   EXPECT_EQ(plots.exit_code(), 0) << plots.err();
@@ -68,8 +68,9 @@ TEST_F(RecordTest, RecordsADriveThatFailsAndShowsItsLastFrames) {
   ASSERT_TRUE(starts_to_move());
   server_->with_device([](hal::sim::Device& device) { device.press_power(); });
   EXPECT_EQ(command.exit_code(), 1);
-  EXPECT_THAT(command.out(), AllOf(HasSubstr("The last frames before it ended"),
-                                   HasSubstr("  safe "), HasSubstr("waits in which nothing came")));
+  EXPECT_THAT(command.out(),
+              AllOf(HasSubstr("The last frames before it ended"), HasSubstr("  safe "),
+                    HasSubstr("waits in which nothing arrived")));
   expect_replays();
 }
 
@@ -93,7 +94,7 @@ TEST_F(RecordTest, ReadsARecordingThatWasNotFinished) {
   std::filesystem::resize_file(file_, std::filesystem::file_size(file_) - 3);
   Command replays{{"replay", file_}};
   EXPECT_EQ(replays.exit_code(), 0);
-  EXPECT_THAT(replays.out(), HasSubstr("all the same"));
+  EXPECT_THAT(replays.out(), HasSubstr("all identical"));
   EXPECT_THAT(replays.err(), HasSubstr("was not finished: read up to its last whole block"));
 }
 
@@ -120,7 +121,7 @@ TEST_F(RecordTest, RefusesWhatIsNoRecording) {
   for (const char* word : {"replay", "plot"}) {
     Command command{{word, text}};
     EXPECT_EQ(command.exit_code(), 1);
-    EXPECT_THAT(command.err(), OneErrorLine("notes.txt is no recording of a drive"));
+    EXPECT_THAT(command.err(), OneErrorLine("notes.txt is not a recording of a drive"));
     Command missing{{word, folder_.path("nosuch.rec")}};
     EXPECT_EQ(missing.exit_code(), 1);
     EXPECT_THAT(missing.err(), OneErrorLine("nosuch.rec: No such file"));
@@ -163,7 +164,7 @@ TEST_F(RecordTest, FailsAtALimitOfTheFileSize) {
   EXPECT_EQ(std::filesystem::file_size(file_), 8192U);
   Command replays{{"replay", file_}};
   EXPECT_EQ(replays.exit_code(), 0) << replays.err();
-  EXPECT_THAT(replays.out(), HasSubstr("all the same"));
+  EXPECT_THAT(replays.out(), HasSubstr("all identical"));
 }
 
 TEST_F(RecordTest, FailsOnAFullDisk) {

@@ -162,7 +162,7 @@ TEST_F(SendTool, SaysWhenAScriptIsDeaf) {
                                 "start; safe; script { drive 200 straight; wait_event cliff }; "
                                 "play_script"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.error, HasSubstr("if it waits in a script it is deaf until that is over"));
+  EXPECT_THAT(outcome.error, HasSubstr("if it is waiting in a script it is deaf until that ends"));
 }
 
 TEST_F(SendTool, StopsTheWheelsAfterAFailure) {
@@ -265,7 +265,7 @@ TEST_F(SendTool, SaysWhenThePortHangsUp) {
 
 TEST_F(SendTool, PointsAtWhatIsWrong) {
   EXPECT_THAT(error_of({"safe; drive 600 0"}), HasSubstr("\n              ^^^\n"));
-  EXPECT_THAT(error_of({"--baud", "1", "safe"}), HasSubstr("the robot has no 1 baud"));
+  EXPECT_THAT(error_of({"--baud", "1", "safe"}), HasSubstr("the robot does not support 1 baud"));
 }
 
 TEST_F(SensorsTool, PrintsOneReadingWhereThereIsNoTerminal) {
@@ -294,7 +294,7 @@ TEST_F(SensorsTool, StreamsJsonUntilASignal) {
 }
 
 TEST_F(SensorsTool, RefusesWhatItCannotDo) {
-  EXPECT_THAT(sensors({"--packets", "99"}).error, HasSubstr("'99' is no packet"));
+  EXPECT_THAT(sensors({"--packets", "99"}).error, HasSubstr("'99' is not a packet"));
   EXPECT_EQ(sensors({"--packets", "99"}).code, 1);
   const Outcome silent = sensors({"--baud", "9600", "--once"});
   EXPECT_EQ(silent.code, 1);

@@ -114,7 +114,7 @@ TEST(DecodeTool, SaysWhatTheRobotsStreamMeans) {
 TEST(DecodeTool, TakesTheSideThatIsAskedFor) {
   const Outcome outcome = decode({"--from", "robot", "89", "ff"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("! in no frame"));
+  EXPECT_THAT(outcome.out, HasSubstr("! outside any frame"));
   EXPECT_THAT(outcome.error, testing::Not(HasSubstr("read as")));
   EXPECT_EQ(decode({"--from", "stream", "89", "ff"}).out, outcome.out);
   EXPECT_THAT(decode({"--from", "command", "13"}).out, HasSubstr("19 is not a command"));
@@ -127,14 +127,15 @@ TEST(DecodeTool, DecodesAReply) {
   EXPECT_EQ(outcome.out,
             "    0  ff fe              distance -2 mm\n"
             "    2  02                 bumps_and_wheel_drops 2 (bump_left)\n");
-  EXPECT_THAT(decode({"--packets", "nonsense", "00"}).error, HasSubstr("'nonsense' is no packet"));
+  EXPECT_THAT(decode({"--packets", "nonsense", "00"}).error,
+              HasSubstr("'nonsense' is not a packet"));
 }
 
 TEST(DecodeTool, SaysHowManyBytesAreMissing) {
   const Outcome outcome = decode({"83", "89", "ff"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("    3                     ! needs 3 more bytes\n"));
-  EXPECT_THAT(outcome.error, HasSubstr("the bytes end too early: needs 3 more bytes"));
+  EXPECT_THAT(outcome.error, HasSubstr("the bytes end too early: 3 more bytes needed"));
 }
 
 TEST(DecodeTool, RefusesWhatIsNoByte) {
@@ -145,8 +146,8 @@ TEST(DecodeTool, RefusesWhatIsNoByte) {
     return outcome.error;
   };
   EXPECT_THAT(error({"137", "255"}), HasSubstr("ask for decimal with --decimal"));
-  EXPECT_THAT(error({"8g"}), HasSubstr("'8g' is no byte in hexadecimal"));
-  EXPECT_THAT(error({"--decimal", "256"}), HasSubstr("'256' is no byte"));
+  EXPECT_THAT(error({"8g"}), HasSubstr("'8g' is not a byte in hexadecimal"));
+  EXPECT_THAT(error({"--decimal", "256"}), HasSubstr("'256' is not a byte"));
   EXPECT_THAT(error({"--binary", "/nowhere/at/all"}), HasSubstr("cannot read /nowhere/at/all"));
   EXPECT_THAT(error({}), HasSubstr("there are no bytes"));
 }
@@ -172,10 +173,10 @@ TEST(BudgetTool, SaysWhetherAStreamFits) {
 TEST(BudgetTool, RefusesWhatTheRobotDoesNotHave) {
   const Outcome baud = run_tool({"budget", "--baud", "12345"});
   EXPECT_EQ(baud.code, 1);
-  EXPECT_THAT(baud.error, HasSubstr("the robot has no 12345 baud"));
+  EXPECT_THAT(baud.error, HasSubstr("the robot does not support 12345 baud"));
   const Outcome packet = run_tool({"budget", "--packets", "43"});
   EXPECT_EQ(packet.code, 1);
-  EXPECT_THAT(packet.error, HasSubstr("'43' is no packet"));
+  EXPECT_THAT(packet.error, HasSubstr("'43' is not a packet"));
 }
 
 TEST(Tool, RefusesUnknownSubcommandsAndOptions) {

@@ -73,8 +73,9 @@ hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions
   config->baud = port.baud ? *port.baud : config->baud.value_or(oi::kDefaultBaud);
   lay_over(pins, config->pins);
   if (!oi::baud_code(*config->baud)) {
-    return hal::Failure{fmt::format("the robot has no {} baud; choose 57600 or another of {}",
-                                    *config->baud, fmt::join(oi::kBaudRates, ", "))};
+    return hal::Failure{
+        fmt::format("the robot does not support {} baud; choose 57600 or another of {}",
+                    *config->baud, fmt::join(oi::kBaudRates, ", "))};
   }
   return config;
 }
@@ -86,7 +87,7 @@ void protect_config(const PortOptions& port, Outputs& outputs) {
 
 bool has_port(const hal::Config& config) {
   if (!config.port.empty()) return true;
-  print_error("--port is required; list what there is with: cargobay ports");
+  print_error("--port is required; list the ports with: cargobay ports");
   return false;
 }
 

@@ -22,8 +22,8 @@ hal::Result<std::unique_ptr<hal::ByteStream>> open_for_use(const std::string& pa
                                                            std::uint32_t baud) {
   if (is_open_as(path, STDOUT_FILENO) || is_open_as(path, STDERR_FILENO)) {
     return hal::Failure{path +
-                        " is also where this command prints to, and the robot would take its words "
-                        "for commands; redirect its output to somewhere else"};
+                        " is also where this command prints, and the robot would take its output "
+                        "for commands; redirect the output elsewhere"};
   }
   auto port = hal::open_port(path, baud);
   if (!port) return port.failure();

@@ -18,7 +18,7 @@ hal::Result<PlannedFault> parse_fault(std::string_view text) {
   if (std::string_view words = text; hal::sim::next_word(words) == "at") {
     const std::optional<double> after_s =
         hal::sim::to_number(hal::sim::next_word(words), 0.0, kLatestS);
-    if (!after_s) return hal::Failure{.message = "it is 'at SECONDS NAME [ARGUMENTS]'"};
+    if (!after_s) return hal::Failure{.message = "the usage is 'at SECONDS NAME [ARGUMENTS]'"};
     fault.after = rt::Duration{static_cast<std::int64_t>(*after_s * 1e9)};
     rest = words;
   }

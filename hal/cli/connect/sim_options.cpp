@@ -11,12 +11,12 @@ namespace {
 constexpr const char* kGroup = "Virtual Create";
 
 void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
-  app.add_option("--lag", wheels.lag_s, "Seconds in which a wheel comes within 37 % of a new speed")
+  app.add_option("--lag", wheels.lag_s, "Seconds a wheel takes to come within 37 % of a new speed")
       ->check(in_range(hal::kLagS.least, hal::kLagS.most))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--droop-left", wheels.droop_left,
-                 "Part of its set speed the left wheel falls short by")
+                 "Fraction by which the left wheel falls short of its set speed")
       ->check(in_range(hal::kDroop.least, hal::kDroop.most))
       ->capture_default_str()
       ->group(kGroup);
@@ -48,28 +48,28 @@ void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
 
 void add_sim_options(CLI::App& app, SimOptions& options) {
   app.add_option("--remainder", options.remainder,
-                 "What a reading of distance and angle does to the part below 1 mm or 1 degree")
+                 "What reading distance and angle does to the fraction below 1 mm or 1 degree")
       ->check(CLI::IsMember({"carried", "lost"}))
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--checksum", options.checksum,
-                 "Whether the checksum of stream frames counts the header 19 in: real robots "
-                 "include it, the manual excludes it")
+                 "Whether the checksum of stream frames covers the header 19: real robots include "
+                 "it, the manual excludes it")
       ->check(CLI::IsMember({"including", "excluding"}))
       ->capture_default_str()
       ->group(kGroup);
-  app.add_flag(
-         "--extensions", options.extensions,
-         "Know what firmware of 2007-09-24 does: raw counts in packets 43 and 44, its date by "
-         "opcode 8, a reset by opcode 7")
+  app.add_flag("--extensions", options.extensions,
+               "Do what the firmware of 2007-09-24 does: raw counts in packets 43 and 44, its date "
+               "on opcode 8, a reset on opcode 7")
       ->group(kGroup);
   app.add_option("--power-on", options.power_on,
                  "long-ago: it waits for Start; now: it boots, deaf for 3.5 s; never: it is off "
-                 "until somebody presses its button")
+                 "until its button is pressed")
       ->check(CLI::IsMember({"long-ago", "now", "never"}))
       ->capture_default_str()
       ->group(kGroup);
-  app.add_option("--battery", options.parameters.battery.charge_mah, "Its charge, in mAh")
+  app.add_option("--battery", options.parameters.battery.charge_mah,
+                 "Charge of its battery, in mAh")
       ->check(in_range(1.0, options.parameters.battery.capacity_mah))
       ->capture_default_str()
       ->group(kGroup);
@@ -82,7 +82,7 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
       ->check(in_range(1.0, hal::sim::kAllAroundDeg))
       ->capture_default_str()
       ->group(kGroup);
-  app.add_option("--seed", options.parameters.seed, "Of all that is random in it")
+  app.add_option("--seed", options.parameters.seed, "Seed of everything random in it")
       ->check(whole_number())
       ->capture_default_str()
       ->group(kGroup);

@@ -30,20 +30,20 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
   }
   const bool sensible = options.duration_s > 0.0 && options.duration_s <= 86400.0;  // false for NaN
   if (!sensible) {
-    return hal::Failure{
-        fmt::format("--duration {:g} is not above 0 and up to 86400 seconds", options.duration_s)};
+    return hal::Failure{fmt::format("--duration {:g} is not above 0 and at most 86400 seconds",
+                                    options.duration_s)};
   }
   if (!hal::kGuardDeadlineMs.contains(options.guard_deadline_ms)) {
-    return hal::Failure{fmt::format("--guard-deadline {:g} is not from {} ms",
+    return hal::Failure{fmt::format("--guard-deadline {:g} is not within {} ms",
                                     options.guard_deadline_ms, hal::kGuardDeadlineMs.words())};
   }
   const bool waits = reconnect_s(options) > 0.0 && reconnect_s(options) <= kLongestWaitS;
   if (!options.reconnect.empty() && !waits) {
-    return hal::Failure{fmt::format("--reconnect={} is not above 0 and up to {:g} seconds",
+    return hal::Failure{fmt::format("--reconnect={} is not above 0 and at most {:g} seconds",
                                     options.reconnect, kLongestWaitS)};
   }
   if (options.record_file == "-")
-    return hal::Failure{"--record needs the name of a file: a recording is not for reading"};
+    return hal::Failure{"--record needs a file name: a recording is binary, not text"};
   return std::nullopt;
 }
 
@@ -83,7 +83,7 @@ hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& 
 void add_drive_options(CLI::App& command, DriveOptions& options) {
   add_port_options(command, options.connection);
   command.add_flag("--virtual", options.builtin,
-                   "Drive a virtual Create of its own, though the configuration names a port");
+                   "Drive a virtual Create of its own, even if the configuration names a port");
   command
       .add_option("--profile", options.profile,
                   "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
@@ -95,13 +95,13 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
       ->capture_default_str();
   command.add_option("--duration", options.duration_s, "Seconds to drive")->capture_default_str();
   command.add_flag("--open-loop", options.open_loop,
-                   "Send the set speeds as they are, to see what the loop is good for");
+                   "Send the set speeds as they are, to see what the loop gains");
   command.add_flag(
       "--full", options.full,
       "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
   command.add_flag("--reconnect{30}", options.reconnect,
-                   "Where the port hangs up or the robot falls silent, wait for so many seconds "
-                   "(--reconnect=60; by itself 30), and drive on when it is back");
+                   "If the port hangs up or the robot falls silent, wait this many seconds "
+                   "(--reconnect=60; 30 by default), and drive on when it is back");
   command.add_option("--json", options.json_file,
                      "Write the results to this file; - for standard output");
   command.add_option("--plot", options.plot_file,
@@ -113,16 +113,15 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
                    "Fail if SCHED_FIFO or locked memory is refused");
   command
       .add_option("--guard-deadline", options.guard_deadline_ms,
-                  "Milliseconds without a sign of life of the loop, after which the guard process "
-                  "stops the robot, " +
+                  "Milliseconds without a sign of life from the loop, after which the guard "
+                  "process stops the robot, " +
                       hal::kGuardDeadlineMs.words())
       ->capture_default_str();
-  command.add_flag(
-      "--no-guard", options.no_guard,
-      "Drive without the guard process: if this program dies the wheels go on turning");
+  command.add_flag("--no-guard", options.no_guard,
+                   "Drive without the guard process: if this program dies the wheels keep turning");
   command.add_flag("--boost-kworkers", options.boost_kworkers,
                    "Give the kernel threads that hand over the port's bytes a real-time priority "
-                   "too, just below the loop's, until the end (needs CAP_SYS_NICE)");
+                   "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");
   command
       .add_option(
           "--priority", options.priority,

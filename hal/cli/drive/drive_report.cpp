@@ -80,15 +80,15 @@ std::string table(const DriveReport& report) {
   fmt::format_to(to_out, "Overruns   {} wait, {} read, {} control function, {} write\n", late.wait,
                  late.read, late.user, late.write);
   if (report.refused_controls > 0) {
-    fmt::format_to(to_out, "Refused    {} answers of the control function\n",
+    fmt::format_to(to_out, "Refused    {} results of the control function\n",
                    report.refused_controls);
   }
   if (report.events_dropped > 0) {
-    fmt::format_to(to_out, "Events     {} more than there was room for\n", report.events_dropped);
+    fmt::format_to(to_out, "Events     {} dropped for lack of room\n", report.events_dropped);
   }
   if (report.reconnects > 0)
-    fmt::format_to(to_out, "Link       {} reconnected, {:.1f} s without\n", report.reconnects,
-                   rt::seconds(report.without_link));
+    fmt::format_to(to_out, "Link       {} reconnected, {:.1f} s without a link\n",
+                   report.reconnects, rt::seconds(report.without_link));
   fmt::format_to(to_out, "Robot      {} on {} at {} baud, remainder of distance and angle: {}\n",
                  report.robot, report.port, report.baud, name(report.remainder));
   fmt::format_to(to_out, "Real time  {}\n", rights(report.grant));

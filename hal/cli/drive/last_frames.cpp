@@ -40,7 +40,7 @@ std::string last_frames_table(std::span<const hal::Exchange> exchanges) {
   std::size_t waits = 0;
   const auto flush = [&] {
     if (waits > 0) {
-      fmt::format_to(std::back_inserter(out), "{:>16}  {} wait{} in which nothing came\n", "",
+      fmt::format_to(std::back_inserter(out), "{:>16}  {} wait{} in which nothing arrived\n", "",
                      waits, waits == 1 ? "" : "s");
     }
     waits = 0;

@@ -136,7 +136,7 @@ hal::Result<JitterSummary> read_jitter(const std::string& text, const std::strin
   try {
     const nlohmann::json in = nlohmann::json::parse(text);
     if (in.at("cargobay_jitter") != kFormat)
-      return hal::Failure{label + " is of another version of cargobay jitter; measure again"};
+      return hal::Failure{label + " is from another version of cargobay jitter; measure again"};
     JitterSummary summary{.label = label,
                           .link = in.at("link"),
                           .seconds = in.at("seconds"),

@@ -112,8 +112,8 @@ class Drawing {
     std::uint64_t most = 10;
     for (const ChannelCurve& curve : curves_) most = std::max(most, curve.channel->figures.count);
     nines_ = std::ceil(std::log10(static_cast<double>(most)));
-    put(R"(<text x="{}" y="{}" font-weight="bold">Latency that so many stay below</text>)",
-        kPageLeft, kPageTop - 6);
+    put(R"(<text x="{}" y="{}" font-weight="bold">Latency percentiles</text>)", kPageLeft,
+        kPageTop - 6);
     for (const double decade : decades(scale_.low, scale_.high, 1)) {
       const double y = latency_y(std::pow(10.0, decade) * 1e3);
       rule(kPageLeft, y, kPageWidth - kPageRight, y);

@@ -68,7 +68,7 @@ void put_headline(std::string& out, const JitterSummary& summary) {
   } else {
     fmt::format_to(to_out,
                    "WITHOUT real-time rights: these figures are those of ordinary scheduling, and\n"
-                   "say nothing of what the loop does with SCHED_FIFO; run it as root, or see: "
+                   "say nothing about what the loop does with SCHED_FIFO; run it as root, or see: "
                    "cargobay doctor\n");
   }
 }
@@ -125,9 +125,9 @@ void put_conditions(std::string& out, const JitterSummary& summary) {
   fmt::format_to(to_out, "           governor {}, {}, {}, load {:.2f}\n",
                  now.governor.empty() ? "none" : now.governor,
                  now.temperature_c ? fmt::format("{:.0f} deg C", *now.temperature_c)
-                                   : std::string{"temperature not told"},
+                                   : std::string{"temperature unknown"},
                  now.throttled ? fmt::format("throttled {:#x}", *now.throttled)
-                               : std::string{"throttling not told"},
+                               : std::string{"throttling unknown"},
                  now.load);
   const hal::jitter::Usage& used = summary.usage;
   fmt::format_to(to_out,

@@ -14,8 +14,8 @@ namespace {
 void remark_on(const hal::Recording& recording, const std::string& path) {
   if (recording.cut_off_bytes() > 0) {
     print_remark(fmt::format(
-        "{} was not finished: read up to its last whole block, without the {} bytes behind it",
-        path, recording.cut_off_bytes()));
+        "{} was not finished: read up to its last whole block, without the {} bytes after it", path,
+        recording.cut_off_bytes()));
   }
   if (recording.missing_blocks() > 0) {
     print_remark(

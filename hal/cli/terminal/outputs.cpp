@@ -40,8 +40,8 @@ std::optional<hal::Failure> Outputs::open(std::string key, const std::string& pa
                          same_file(entry.place, hal::place_of(STDERR_FILENO));
     if (replaced && printed) {
       return hal::Failure{
-          fmt::format("{} names {}, where this command's own words go; name another file, or - for "
-                      "standard output",
+          fmt::format("{} names {}, where this command's own output goes; name another file, or - "
+                      "for standard output",
                       key, path)};
     }
   }

@@ -17,8 +17,8 @@ hal::Result<std::vector<oi::PacketId>> read_packet_list(const std::string& text)
     const std::optional<std::uint8_t> id = oi::find_packet(word);
     if (!id.has_value()) {
       return hal::Failure{
-          fmt::format("'{}' is no packet; write numbers from 0 to 42 or names such as distance, "
-                      "with commas between",
+          fmt::format("'{}' is not a packet; write numbers from 0 to 42 or names such as distance, "
+                      "separated by commas",
                       word)};
     }
     packets.push_back(static_cast<oi::PacketId>(*id));

@@ -47,8 +47,8 @@ void publish(int signal) {
 // Not through stdio, which may be what is blocked.
 void say_why() {
   constexpr std::string_view kWhy =
-      "cargobay: error: ended by force 1.5 s after it was told to end: what it reads or "
-      "writes is stuck; results that were not written are lost\n";
+      "cargobay: error: killed 1.5 s after it was told to end: what it reads or writes is stuck; "
+      "unwritten results are lost\n";
   pollfd waited{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
   if (poll(&waited, 1, 0) == 1) (void)!write(STDERR_FILENO, kWhy.data(), kWhy.size());
 }

@@ -53,10 +53,10 @@ bool read_run(std::string_view run, Base base, std::vector<std::uint8_t>& bytes)
 
 hal::Failure no_byte(std::string_view run, Base base) {
   if (base == Base::decimal)
-    return {fmt::format("'{}' is no byte; in decimal these are numbers from 0 to 255", run)};
+    return {fmt::format("'{}' is not a byte; in decimal bytes are numbers from 0 to 255", run)};
   const bool decimal =
       std::all_of(run.begin(), run.end(), [](char c) { return c >= '0' && c <= '9'; });
-  return {fmt::format("'{}' is no byte in hexadecimal; write two digits for each{}", run,
+  return {fmt::format("'{}' is not a byte in hexadecimal; write two digits for each{}", run,
                       decimal ? ", or ask for decimal with --decimal" : ", such as 89 ff")};
 }
 

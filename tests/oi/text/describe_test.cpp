@@ -201,13 +201,13 @@ TEST(DescribeStream, TellsTextFromDamage) {
   EXPECT_EQ(all.lines,
             "0+8 text 'bat: 1\\r\\n'\n"
             "8+12 text 'key-wakeup\\r\\n'\n"
-            "20+3 ! in no frame\n"
+            "20+3 ! outside any frame\n"
             "23+1 header of a stream frame (OI p. 14)\n"
             "24+1 2 bytes up to the checksum\n"
             "25+1 packet 35 OI Mode\n"
             "26+1 oi_mode 2 (safe)\n"
             "27+1 checksum, right with the header counted, as robots send it\n"
-            "28+1 ! in no frame\n");
+            "28+1 ! outside any frame\n");
 }
 
 TEST(DescribeStream, FindsTheFrameInsideWhatLooksLikeOne) {
