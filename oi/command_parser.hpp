@@ -12,6 +12,7 @@
 #include <span>
 
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::oi {
 
@@ -21,6 +22,8 @@ class CommandParser {
 
   // Longest sequence that is one command to the parser.
   static constexpr std::size_t kMostBytes = 1 + kLongestRest;
+
+  constexpr explicit CommandParser(const Dialect& dialect = kCreate) : dialect_{&dialect} {}
 
   constexpr Outcome push(std::uint8_t byte) noexcept {
     if (length_ == expected_) return begin(byte);
@@ -51,7 +54,7 @@ class CommandParser {
 
  private:
   constexpr Outcome begin(std::uint8_t opcode) noexcept {
-    info_ = find_command(opcode);
+    info_ = dialect_->find_command(opcode);
     bytes_[0] = opcode;
     length_ = 1;
     if (info_ == nullptr) {
@@ -68,6 +71,7 @@ class CommandParser {
     return length != 0 ? length : 1 + info_->argument_bytes();
   }
 
+  const Dialect* dialect_;
   const CommandInfo* info_ = nullptr;
   std::size_t length_ = 0;
   std::size_t expected_ = 0;  // == length_ between commands

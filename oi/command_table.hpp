@@ -202,37 +202,19 @@ constexpr std::int32_t number_at(std::span<const std::uint8_t> bytes,
   return argument.is_signed && value >= half ? value - 2 * half : value;
 }
 
-namespace detail {
-
-// The index of an opcode in kCommands; past its end for one that is not a command.
-inline constexpr std::array<std::uint8_t, 256> kCommandIndex = [] {
-  std::array<std::uint8_t, 256> index{};
-  index.fill(kCommandCount);
-  for (std::size_t i = 0; i < kCommands.size(); ++i) {
-    index[kCommands[i].opcode] = static_cast<std::uint8_t>(i);
-  }
+// The index of each opcode in a table of commands; its size for one that is not a command.
+using CommandIndex = std::array<std::uint8_t, 256>;
+constexpr CommandIndex index_of(std::span<const CommandInfo> commands) {
+  CommandIndex index{};
+  index.fill(static_cast<std::uint8_t>(commands.size()));
+  for (std::size_t i = 0; i < commands.size(); ++i)
+    index[commands[i].opcode] = static_cast<std::uint8_t>(i);
   return index;
-}();
-
-}  // namespace detail
-
-// The command's entry; null for an opcode the manual does not have.
-constexpr const CommandInfo* find_command(std::uint8_t opcode) {
-  const std::size_t index = detail::kCommandIndex[opcode];
-  return index < kCommands.size() ? &kCommands[index] : nullptr;
 }
 
 // The entry of a command that is known to exist.
 template <std::uint8_t kOpcode>
-inline constexpr CommandInfo kCommandInfo = kCommands[detail::kCommandIndex[kOpcode]];
-
-// The command's entry by its key; null if there is none.
-constexpr const CommandInfo* find_command(std::string_view key) {
-  for (const CommandInfo& info : kCommands) {
-    if (info.key == key) return &info;
-  }
-  return nullptr;
-}
+inline constexpr const CommandInfo& kCommandInfo = kCommands[index_of(kCommands)[kOpcode]];
 
 // Whole length in bytes, opcode included, of the command that begins with these bytes; 0 while they
 // do not tell. `bytes` begins with the opcode of `info`.

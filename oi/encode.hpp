@@ -51,7 +51,7 @@ template <CommandStruct C>
 constexpr std::size_t most_bytes() {
   return std::apply(
       [](auto... pointers) {
-        [[maybe_unused]] const CommandInfo& info = *find_command(C::kOpcode);
+        [[maybe_unused]] const CommandInfo& info = kCommandInfo<C::kOpcode>;
         std::size_t sum = 1;
         [[maybe_unused]] std::size_t index = 0;
         ((sum +=

@@ -5,6 +5,7 @@
 // opcode 7 as a soft reset.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -15,27 +16,21 @@
 
 namespace cargobay::oi {
 
-enum class Extensions : std::uint8_t { off, on };
-
 // Raw encoder counts: they count up in both directions and wrap at 65536.
 inline constexpr PacketId kRawLeftCount{43};
 inline constexpr PacketId kRawRightCount{44};
 inline constexpr double kRawCountsPerMm = 7.8324;
 
-inline constexpr std::array<PacketInfo, 2> kExtensionPackets{{
-    detail::single(kRawLeftCount, 2, false, Unit::none, 0, 65535, "raw_left_count",
-                   "Raw Left Count"),
-    detail::single(kRawRightCount, 2, false, Unit::none, 0, 65535, "raw_right_count",
-                   "Raw Right Count"),
-}};
-inline constexpr std::uint8_t kLastExtensionPacket = 44;
-
-// The packet's entry; null for an id that is not a packet.
-constexpr const PacketInfo* find_packet(std::uint8_t id, Extensions extensions) {
-  if (id < kPacketCount) return &kPackets[id];
-  if (extensions == Extensions::off || id > kLastExtensionPacket) return nullptr;
-  return &kExtensionPackets[id - kPacketCount];
-}
+// The manual's packets and these two.
+inline constexpr std::array<PacketInfo, kPacketCount + 2> kPacketsWithRawCounts = [] {
+  std::array<PacketInfo, kPacketCount + 2> packets{};
+  std::copy(kPackets.begin(), kPackets.end(), packets.begin());
+  packets[43] = detail::single(kRawLeftCount, 2, false, Unit::none, 0, 65535, "raw_left_count",
+                               "Raw Left Count");
+  packets[44] = detail::single(kRawRightCount, 2, false, Unit::none, 0, 65535, "raw_right_count",
+                               "Raw Right Count");
+  return packets;
+}();
 
 // How far a raw counter went between two readings; correct if it wrapped at most once.
 constexpr std::uint16_t raw_count_difference(std::uint16_t before, std::uint16_t after) {

@@ -8,7 +8,6 @@
 #include <span>
 
 #include "oi/checksum.hpp"
-#include "oi/extensions.hpp"
 #include "oi/limits.hpp"
 #include "oi/packet_table.hpp"
 
@@ -20,23 +19,10 @@ inline constexpr std::size_t kMinFrameBytes = 5;  // one packet of one byte
 // How many bytes of a frame each id claims, itself included; 0 for an id that is not a packet.
 using ItemSizes = std::array<std::uint8_t, 256>;
 
-namespace detail {
-
-constexpr ItemSizes item_sizes(Extensions extensions) {
+constexpr ItemSizes item_sizes(std::span<const PacketInfo> packets) {
   ItemSizes sizes{};
-  for (std::size_t id = 0; id < sizes.size(); ++id) {
-    const PacketInfo* info = find_packet(static_cast<std::uint8_t>(id), extensions);
-    if (info != nullptr) sizes[id] = static_cast<std::uint8_t>(1 + info->size);
-  }
+  for (const PacketInfo& info : packets) sizes[info.id] = static_cast<std::uint8_t>(1 + info.size);
   return sizes;
-}
-inline constexpr ItemSizes kItemSizes = item_sizes(Extensions::off);
-inline constexpr ItemSizes kItemSizesWithExtensions = item_sizes(Extensions::on);
-
-}  // namespace detail
-
-constexpr const ItemSizes& item_sizes(Extensions extensions) {
-  return extensions == Extensions::on ? detail::kItemSizesWithExtensions : detail::kItemSizes;
 }
 
 // Whether the bytes have the structure of one frame: header, length, and ids whose data fill it

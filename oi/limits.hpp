@@ -12,7 +12,6 @@ inline constexpr std::chrono::nanoseconds kTick = std::chrono::milliseconds{15};
 
 inline constexpr std::int32_t kMaxWheelSpeed = 500;  // mm/s, either way (OI p. 9)
 inline constexpr std::int32_t kMaxRadius = 2000;     // mm, either way (OI p. 9)
-inline constexpr double kWheelBaseMm = 258.0;        // what host software for this robot uses
 
 inline constexpr std::size_t kMaxScriptBytes = 100;   // OI p. 15: bytes, not commands
 inline constexpr std::size_t kMaxSongNotes = 16;      // OI p. 11

@@ -1,5 +1,5 @@
 // The 43 sensor packets of the Open Interface (OI p. 17 to 25), the one source for decoder,
-// encoder, names, ranges and documentation.
+// encoder, names, ranges and documentation. Programs look them up in a dialect (oi/dialect.hpp).
 //
 // Where the manual contradicts itself, this table says: packet 18 is bits 0 and 2 (0 to 5), packet
 // 20 is in degrees, packet 35 is the OI mode, packet 38 goes to 43.
@@ -151,31 +151,12 @@ inline constexpr std::array<PacketInfo, kPacketCount> kPackets = [] {
 }();
 // clang-format on
 
-// The packet's entry; null for an id that is not a packet (43 to 255).
-constexpr const PacketInfo* find_packet(std::uint8_t id) {
-  return id < kPacketCount ? &kPackets[id] : nullptr;
+// One bit for each single packet of an entry, packet 7 being bit 0.
+constexpr std::uint64_t packet_bits(const PacketInfo& info) {
+  std::uint64_t bits = 0;
+  for (unsigned id = info.first; id <= info.last; ++id)
+    bits |= std::uint64_t{1} << (id - kFirstSinglePacket);
+  return bits;
 }
-
-// The entry of a packet that is known to exist.
-constexpr const PacketInfo& packet(PacketId id) { return kPackets[static_cast<std::size_t>(id)]; }
-
-// Data bytes of the packet; 0 for an id that is not a packet.
-constexpr std::size_t packet_size(std::uint8_t id) {
-  return id < kPacketCount ? kPackets[id].size : 0;
-}
-
-// Each entry is at the index of its id, and each group is as long as its members together.
-static_assert([] {
-  for (std::size_t id = 0; id < kPacketCount; ++id) {
-    const PacketInfo& info = kPackets[id];
-    if (info.id != id) return false;
-    if (!info.is_group()) continue;
-    std::size_t sum = 0;
-    for (std::size_t member = info.first; member <= info.last; ++member)
-      sum += kPackets[member].size;
-    if (sum != info.size) return false;
-  }
-  return true;
-}());
 
 }  // namespace cargobay::oi

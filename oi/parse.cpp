@@ -31,16 +31,17 @@ constexpr std::array<ParseAs, kCommandCount> kParsers =
       return std::array<ParseAs, kCommandCount>{
           parse_as<std::variant_alternative_t<kIndices, Command>>...};
     }(std::make_index_sequence<kCommandCount>{});
+constexpr CommandIndex kIndex = index_of(kCommands);
 
 }  // namespace
 
-ParseResult parse_command(std::span<const std::uint8_t> bytes) {
+ParseResult parse_command(std::span<const std::uint8_t> bytes, const Dialect& dialect) {
   ParseResult result;
   if (bytes.empty()) {
     result.needed = 1;
     return result;
   }
-  result.info = find_command(bytes[0]);
+  result.info = dialect.find_command(bytes[0]);
   if (result.info == nullptr) {
     result.outcome = ParseResult::Outcome::unknown_opcode;
     result.length = 1;
@@ -53,7 +54,7 @@ ParseResult parse_command(std::span<const std::uint8_t> bytes) {
     return result;
   }
   result.length = length;
-  kParsers[static_cast<std::size_t>(result.info - kCommands.data())](bytes.first(length), result);
+  kParsers[kIndex[bytes[0]]](bytes.first(length), result);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "oi/command.hpp"
 #include "oi/command_table.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/fixed_list.hpp"
 
@@ -138,6 +139,6 @@ struct ParseResult {
 
 // Reads the first command of the bytes, never past its end; what follows it is left alone. (Not
 // constexpr: clang cannot assign a variant of libstdc++ 12 at compile time.)
-ParseResult parse_command(std::span<const std::uint8_t> bytes);
+ParseResult parse_command(std::span<const std::uint8_t> bytes, const Dialect& dialect = kCreate);
 
 }  // namespace cargobay::oi

@@ -101,7 +101,7 @@ class ScriptBuilder {
   template <CommandStruct C>
     requires(!std::is_same_v<C, Script>)
   constexpr ScriptBuilder& add(const C& command) {
-    const CommandInfo& info = *find_command(C::kOpcode);
+    const CommandInfo& info = kCommandInfo<C::kOpcode>;
     const auto bytes = encode(command);
     if (bytes) {
       append(info, *bytes);
@@ -121,7 +121,7 @@ class ScriptBuilder {
     std::visit(
         [this](const auto& one) {
           if constexpr (std::is_same_v<std::remove_cvref_t<decltype(one)>, Script>) {
-            fail({.what = Error::What::nested_script, .command = find_command(Script::kOpcode)});
+            fail({.what = Error::What::nested_script, .command = &kCommandInfo<Script::kOpcode>});
             ++count_;
           } else {
             add(one);

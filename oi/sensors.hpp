@@ -15,7 +15,7 @@
 #include "oi/bit_set.hpp"
 #include "oi/checksum.hpp"
 #include "oi/command_table.hpp"
-#include "oi/extensions.hpp"
+#include "oi/dialect.hpp"
 #include "oi/frame.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/units.hpp"
@@ -94,6 +94,8 @@ class SensorValues {
  public:
   // Whether the single packet has been set. The accessors below give 0 for one that has not.
   constexpr bool has(PacketId packet) const { return (present_ & bit(packet)) != 0; }
+  // Which have been set: one bit for each single packet, packet 7 being bit 0.
+  constexpr std::uint64_t present() const { return present_; }
   constexpr std::int32_t raw(PacketId packet) const { return raw_[index(packet)]; }
   constexpr void set(PacketId packet, std::int32_t value) {
     raw_[index(packet)] = value;
@@ -181,12 +183,12 @@ class SensorValues {
   }
 
  private:
-  static constexpr std::size_t kSlots = kLastExtensionPacket - kFirstSinglePacket + 1;
+  static constexpr std::size_t kSlots = kPacketsWithRawCounts.size() - kFirstSinglePacket;
   static_assert(kSlots <= 64);
 
   static constexpr std::size_t index(PacketId packet) {
     const auto id = static_cast<std::size_t>(packet);
-    assert(id >= kFirstSinglePacket && id <= kLastExtensionPacket);
+    assert(id >= kFirstSinglePacket && id < kPacketsWithRawCounts.size());
     return id - kFirstSinglePacket;
   }
   static constexpr std::uint64_t bit(PacketId packet) { return std::uint64_t{1} << index(packet); }
@@ -213,10 +215,10 @@ constexpr std::int32_t read_value(const PacketInfo& info, std::span<const std::u
 }
 
 constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t> data,
-                            SensorValues& values, Extensions extensions) {
+                            SensorValues& values, const Dialect& dialect) {
   std::size_t at = 0;
   for (std::uint8_t id = info.first; id <= info.last; ++id) {
-    const PacketInfo& member = *find_packet(id, extensions);
+    const PacketInfo& member = dialect.packet(PacketId{id});
     const std::int32_t value = read_value(member, data.subspan(at));
     values.set(PacketId{id}, value);
     if (value < member.min || value > member.max) values.count_out_of_range();
@@ -232,23 +234,22 @@ constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t
 // Decodes the data of a packet or group. False, with nothing changed, if the id is not a packet or
 // the data are not exactly its size.
 [[nodiscard]] constexpr bool decode_packet(std::uint8_t id, std::span<const std::uint8_t> data,
-                                           SensorValues& values,
-                                           Extensions extensions = Extensions::off) {
-  const PacketInfo* info = find_packet(id, extensions);
+                                           SensorValues& values, const Dialect& dialect = kCreate) {
+  const PacketInfo* info = dialect.find_packet(id);
   if (info == nullptr || data.size() != info->size) return false;
-  detail::decode_known(*info, data, values, extensions);
+  detail::decode_known(*info, data, values, dialect);
   return true;
 }
 
 // Decodes a whole frame, header to checksum, as a StreamDecoder returns it. False, with nothing
 // changed, if its structure is wrong; the checksum is not checked again.
 [[nodiscard]] constexpr bool decode_frame(std::span<const std::uint8_t> frame, SensorValues& values,
-                                          Extensions extensions = Extensions::off) {
-  if (!is_well_formed(frame, item_sizes(extensions))) return false;
+                                          const Dialect& dialect = kCreate) {
+  if (!is_well_formed(frame, dialect.item_sizes)) return false;
   std::size_t at = 2;
   while (at + 1 < frame.size()) {
-    const PacketInfo& info = *find_packet(frame[at], extensions);
-    detail::decode_known(info, frame.subspan(at + 1, info.size), values, extensions);
+    const PacketInfo& info = dialect.packet(PacketId{frame[at]});
+    detail::decode_known(info, frame.subspan(at + 1, info.size), values, dialect);
     at += 1U + info.size;
   }
   return true;
@@ -258,7 +259,7 @@ constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t
 // bytes written: 0 if the id is not a packet or `out` is too short.
 [[nodiscard]] std::size_t encode_packet(std::uint8_t id, const SensorValues& values,
                                         std::span<std::uint8_t> out,
-                                        Extensions extensions = Extensions::off);
+                                        const Dialect& dialect = kCreate);
 
 // Writes the frame of a stream list. Returns its bytes: 0 if the list is empty, has an id that is
 // not a packet, needs more than the 255 bytes that a frame's length can state, or does not fit
@@ -266,6 +267,6 @@ constexpr void decode_known(const PacketInfo& info, std::span<const std::uint8_t
 [[nodiscard]] std::size_t encode_frame(std::span<const PacketId> packets,
                                        const SensorValues& values, Checksum form,
                                        std::span<std::uint8_t> out,
-                                       Extensions extensions = Extensions::off);
+                                       const Dialect& dialect = kCreate);
 
 }  // namespace cargobay::oi

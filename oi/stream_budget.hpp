@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "oi/dialect.hpp"
 #include "oi/frame.hpp"
 #include "oi/limits.hpp"
 #include "oi/packet_table.hpp"
@@ -43,19 +44,20 @@ constexpr std::size_t bytes_per_tick(std::uint32_t baud) {
 // Bytes of the stream frame of this list; more than kMaxFrameBytes if no frame can hold it. An id
 // that is not a packet counts as its id alone; an empty list has no frame and gives 0.
 constexpr std::size_t frame_bytes(std::span<const PacketId> packets,
-                                  Extensions extensions = Extensions::off) {
+                                  const Dialect& dialect = kCreate) {
   if (packets.empty()) return 0;
   std::size_t sum = kFrameOverhead;
   for (const PacketId packet : packets) {
-    const PacketInfo* info = find_packet(static_cast<std::uint8_t>(packet), extensions);
+    const PacketInfo* info = dialect.find_packet(static_cast<std::uint8_t>(packet));
     sum += 1U + (info != nullptr ? info->size : 0U);
   }
   return sum;
 }
 
 // Whether the robot can send the frame of this list every tick.
-constexpr bool fits(std::span<const PacketId> packets, std::uint32_t baud) {
-  const std::size_t bytes = frame_bytes(packets);
+constexpr bool fits(std::span<const PacketId> packets, std::uint32_t baud,
+                    const Dialect& dialect = kCreate) {
+  const std::size_t bytes = frame_bytes(packets, dialect);
   return bytes <= kMaxFrameBytes && bytes <= bytes_per_tick(baud);
 }
 

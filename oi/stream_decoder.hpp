@@ -25,6 +25,7 @@
 #include <span>
 
 #include "oi/checksum.hpp"
+#include "oi/dialect.hpp"
 #include "oi/frame.hpp"
 #include "oi/limits.hpp"
 #include "oi/text_tail.hpp"
@@ -59,8 +60,8 @@ class StreamDecoder {
   static constexpr unsigned kFramesToLock = 4;
 
   constexpr explicit StreamDecoder(Checksum form = Checksum::automatic,
-                                   Extensions extensions = Extensions::off)
-      : sizes_{&item_sizes(extensions)}, configured_{form}, form_{form} {}
+                                   const Dialect& dialect = kCreate)
+      : sizes_{&dialect.item_sizes}, configured_{form}, form_{form} {}
 
   // Takes one byte. After `frame` or `corrupt` call next() until it says `nothing`: the bytes
   // already held may be more frames. If you do not, you get them with later bytes.

@@ -13,8 +13,8 @@
 #include "hal/bring_up/dialogue.hpp"
 #include "hal/bring_up/rate_probe.hpp"
 #include "hal/guard/farewell.hpp"
-#include "oi/baud.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "oi/stream_budget.hpp"
 
@@ -33,11 +33,6 @@ constexpr milliseconds kSendTimeout{1000};
 constexpr int kGoodFrames = 3;   // in the wanted mode, before the mode is believed
 constexpr int kMostToggles = 2;  // the first may have switched off a robot that was on and deaf
 constexpr int kMostTries = 2;    // of pulses, of Baud commands, of mode commands
-// Rates that a robot may have been left at, likeliest first: its default, and those that hosts use.
-constexpr std::array<std::uint32_t, 3> kLikelyRates{57600, 19200, 115200};
-// Slowest first: zeros that come more slowly than the robot listens mean nothing to it.
-constexpr std::array<std::uint32_t, 9> kOtherRates{300,  600,   1200,  2400, 4800,
-                                                   9600, 14400, 28800, 38400};
 constexpr std::uint32_t kLeastFreedRate = 2400;  // frees a robot in two seconds
 constexpr std::size_t kChangeBytes = 5;          // Start, Pause Stream, Baud
 
@@ -50,7 +45,7 @@ class BringUp {
   BringUp(ByteStream& stream, const BringUpRequest& request)
       : stream_{stream},
         request_{request},
-        talk_{stream, request.cancelled},
+        talk_{stream, request.cancelled, *request.dialect},
         wanted_{stream.baud()},
         began_{stream.now()},
         powered_at_{began_},
@@ -95,7 +90,8 @@ class BringUp {
     return Step::failed;
   }
   bool pulses_wanted() const {
-    return request_.pins.brc != nullptr && wanted_ == oi::kBrcBaud && pulse_tries_ < kMostTries;
+    return request_.pins.brc != nullptr && wanted_ == request_.dialect->brc_baud &&
+           pulse_tries_ < kMostTries;
   }
   bool toggle_left() const {
     // A robot that is on would be switched off.
@@ -263,13 +259,14 @@ BringUp::Step BringUp::from(std::uint32_t baud) {
 
 BringUp::Step BringUp::search() {
   searched_ = true;
-  for (const std::uint32_t baud : kLikelyRates) {
+  for (const std::uint32_t baud : request_.dialect->likely_rates) {
     if (baud != wanted_ && probe_.answers(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
   // Before freeing: freeing a robot at a likely rate sends hundreds of bytes to one at another
   // rate.
-  for (const std::uint32_t baud : kOtherRates) {
+  for (const std::uint32_t baud : request_.dialect->baud_rates) {
+    if (request_.dialect->is_likely(baud)) continue;
     if (probe_.heard_text() || listened_)
       break;  // in vain: it boots or charges, or was searched for before
     if (baud != wanted_ && probe_.answers(baud)) return from(baud);
@@ -280,7 +277,7 @@ BringUp::Step BringUp::search() {
 
 BringUp::Step BringUp::search_deeper() {
   std::vector<std::uint32_t> rates{wanted_};
-  for (const std::uint32_t baud : kLikelyRates) {
+  for (const std::uint32_t baud : request_.dialect->likely_rates) {
     if (baud != wanted_) rates.push_back(baud);
   }
   for (const std::uint32_t baud : rates) {
@@ -292,9 +289,11 @@ BringUp::Step BringUp::search_deeper() {
 }
 
 // Last, because few robots are at these rates, and not where freeing takes too many seconds.
+// Slowest first: zeros that come more slowly than the robot listens mean nothing to it.
 BringUp::Step BringUp::search_deepest() {
   if (toggle_left()) return Step::power_on;
-  for (const std::uint32_t baud : kOtherRates) {
+  for (const std::uint32_t baud : request_.dialect->baud_rates) {
+    if (request_.dialect->is_likely(baud)) continue;
     if (probe_.heard_text() || talk_.over()) break;
     if (baud != wanted_ && baud >= kLeastFreedRate && probe_.answers_freed(baud)) return from(baud);
   }
@@ -304,7 +303,7 @@ BringUp::Step BringUp::search_deepest() {
 
 BringUp::Step BringUp::listen() {
   listened_ = true;
-  for (const std::uint32_t baud : {oi::kDefaultBaud, oi::kBrcBaud}) {
+  for (const std::uint32_t baud : {request_.dialect->default_baud, request_.dialect->brc_baud}) {
     probe_.set_port(baud);
     stream_.discard_input();
     tell("listen", at_baud(baud));
@@ -322,7 +321,8 @@ BringUp::Step BringUp::change_rate() {
   talk_.send(oi::Start{});
   talk_.pause(kModeChangeWait);
   talk_.send(oi::PauseResumeStream{oi::StreamState::pause});
-  talk_.send(oi::Baud{oi::baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
+  talk_.send(oi::Baud{
+      request_.dialect->baud_code(wanted_).value_or(0)});  // one of the robot's: checked before
   // A command that did not leave is not obeyed; the probe will show it.
   (void)stream_.drain(kSendTimeout + oi::wire_time(kChangeBytes, former));
   probe_.set_port(wanted_);
@@ -364,7 +364,8 @@ BringUp::Step BringUp::take_mode() {
 Failure BringUp::failure() {
   if (talk_.hung_up()) trouble_ = BringUpTrouble::hung_up;
   if (talk_.cancelled()) trouble_ = BringUpTrouble::cancelled;
-  BringUpFailure why{.trouble = trouble_,
+  BringUpFailure why{.dialect = request_.dialect,
+                     .trouble = trouble_,
                      .step = step_,
                      .wanted_baud = wanted_,
                      .found_baud = report_.found_baud,
@@ -386,8 +387,8 @@ Failure BringUp::failure() {
 
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request) {
   if (request.left != nullptr) *request.left = Parting::standing;  // as found: nothing sent yet
-  if (!oi::fits(request.packets, stream.baud())) {
-    return too_long(request.packets, stream.baud());
+  if (!oi::fits(request.packets, stream.baud(), *request.dialect)) {
+    return too_long(request.packets, stream.baud(), *request.dialect);
   }
   return BringUp{stream, request}.run();
 }

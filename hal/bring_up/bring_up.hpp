@@ -17,6 +17,7 @@
 #include "hal/stream/byte_stream.hpp"
 #include "oi/command_table.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal {
 
@@ -35,6 +36,7 @@ struct BringUpEvent {
 };
 
 struct BringUpRequest {
+  const oi::Dialect* dialect = &oi::kCreate;
   oi::Mode mode = oi::Mode::safe;  // passive, safe or full
   oi::StreamList packets{};        // must hold oi_mode
   RobotPins pins{};

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -10,12 +10,12 @@ namespace {
 
 // The rates in the order in which they were tried, each once: "57600, 19200 and 115200 baud"; or
 // all.
-std::string rates(const std::vector<HeardAt>& heard) {
+std::string rates(const BringUpFailure& why) {
   std::vector<std::uint32_t> tried;
-  for (const HeardAt& at : heard) {
+  for (const HeardAt& at : why.heard) {
     if (std::ranges::find(tried, at.baud) == tried.end()) tried.push_back(at.baud);
   }
-  if (tried.size() == oi::kBaudRates.size()) return "all its rates";
+  if (tried.size() == why.dialect->baud_rates.size()) return "all its rates";
   std::string text;
   for (std::size_t i = 0; i < tried.size(); ++i) {
     if (i > 0) text += i + 1 == tried.size() ? " and " : ", ";
@@ -43,19 +43,18 @@ std::string no_answer(const BringUpFailure& why) {
            "drive";
   }
   if (why.charging) {
-    return "the robot is silent at " + rates(heard) + tried(why) +
+    return "the robot is silent at " + rates(why) + tried(why) +
            ", and charging according to its pin 13; press its power button, and check TX and RX";
   }
   const auto noise =
       std::ranges::max_element(heard, {}, [](const HeardAt& at) { return at.heard.bytes; });
   if (noise != heard.end() && noise->heard.bytes > 0) {
     return "heard " + std::to_string(noise->heard.bytes) + " bytes at " +
-           std::to_string(noise->baud) + " baud but no whole frame at " + rates(heard) +
-           tried(why) +
+           std::to_string(noise->baud) + " baud but no whole frame at " + rates(why) + tried(why) +
            "; check ground, level shifter and that no console uses the port; or switch the robot "
            "off and on";
   }
-  return "the robot is silent at " + rates(heard) + tried(why) +
+  return "the robot is silent at " + rates(why) + tried(why) +
          "; is it switched on, its battery charged, and are TX and RX the right way round, behind "
          "a level shifter? A robot waiting in a script is deaf: switch it off and on";
 }
@@ -102,14 +101,13 @@ Failure explain(const BringUpFailure& why) {
   return {"bring-up failed" + step + ": " + text(why), code};
 }
 
-Failure too_long(const oi::StreamList& packets, std::uint32_t baud) {
-  const auto* enough =
-      std::find_if(oi::kBaudRates.begin(), oi::kBaudRates.end(),
-                   [&packets](std::uint32_t rate) { return oi::fits(packets, rate); });
-  const std::string remedy = enough == oi::kBaudRates.end()
+Failure too_long(const oi::StreamList& packets, std::uint32_t baud, const oi::Dialect& dialect) {
+  const auto enough = std::ranges::find_if(
+      dialect.baud_rates, [&](std::uint32_t rate) { return oi::fits(packets, rate, dialect); });
+  const std::string remedy = enough == dialect.baud_rates.end()
                                  ? "stream fewer packets"
                                  : "choose " + std::to_string(*enough) + " baud or more";
-  return {"frames of " + std::to_string(oi::frame_bytes(packets)) +
+  return {"frames of " + std::to_string(oi::frame_bytes(packets, dialect)) +
           " bytes every 15 ms do not fit " + std::to_string(baud) + " baud, which carries " +
           std::to_string(oi::bytes_per_tick(baud)) + " bytes in that time; " + remedy};
 }

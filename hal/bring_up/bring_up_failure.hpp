@@ -11,6 +11,7 @@
 #include "hal/result.hpp"
 #include "oi/command_table.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal {
 
@@ -32,6 +33,7 @@ struct HeardAt {
 };
 
 struct BringUpFailure {
+  const oi::Dialect* dialect = &oi::kCreate;
   BringUpTrouble trouble = BringUpTrouble::silent;
   std::string step{};  // the last one reported
   std::uint32_t wanted_baud = 0;
@@ -49,6 +51,6 @@ struct BringUpFailure {
 Failure explain(const BringUpFailure& why);
 
 // That frames with these packets take longer than a tick at this rate, and what to do about it.
-Failure too_long(const oi::StreamList& packets, std::uint32_t baud);
+Failure too_long(const oi::StreamList& packets, std::uint32_t baud, const oi::Dialect& dialect);
 
 }  // namespace cargobay::hal

@@ -5,6 +5,7 @@
 
 #include "hal/guard/farewell.hpp"
 #include "hal/stream/spaced_stream.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -20,12 +21,13 @@ constexpr std::size_t kLeastLine = 4;  // fewer characters may be damage by chan
 bool is_printable(std::uint8_t byte) { return byte >= 0x20 && byte < 0x7f; }
 
 // Whether the frame carries exactly these packets, in this order.
-bool carries(std::span<const std::uint8_t> frame, const oi::StreamList& packets) {
+bool carries(std::span<const std::uint8_t> frame, const oi::StreamList& packets,
+             const oi::Dialect& dialect) {
   std::size_t at = 2;
   for (const oi::PacketId packet : packets) {
     const auto id = static_cast<std::uint8_t>(packet);
     if (at >= frame.size() || frame[at] != id) return false;
-    at += 1 + oi::packet_size(id);
+    at += 1 + dialect.packet_size(id);
   }
   return at + 1 == frame.size();
 }
@@ -77,10 +79,12 @@ bool Dialogue::wait_until(TimePoint deadline) {
 FramesHeard Dialogue::listen(const oi::StreamList& packets, oi::Mode mode, int enough,
                              rt::Duration timeout) {
   FramesHeard heard;
-  oi::StreamDecoder decoder;
+  oi::StreamDecoder decoder{oi::Checksum::automatic, dialect_};
   const auto look = [&] {
     oi::SensorValues values;
-    if (!carries(decoder.frame(), packets) || !oi::decode_frame(decoder.frame(), values)) return;
+    if (!carries(decoder.frame(), packets, dialect_) ||
+        !oi::decode_frame(decoder.frame(), values, dialect_))
+      return;
     ++heard.frames;
     heard.mode = values.mode();
     if (heard.mode == mode) ++heard.in_mode;

@@ -14,6 +14,7 @@
 #include "hal/stream/write_all.hpp"
 #include "oi/command_table.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_decoder.hpp"
@@ -41,8 +42,9 @@ struct FramesHeard {
 class Dialogue final : public gpio::PulseClock {
  public:
   // `stream` must outlive it. `cancelled` is called every 20 ms; empty: never cancelled.
-  Dialogue(ByteStream& stream, std::function<bool()> cancelled)
-      : stream_{stream}, cancelled_{std::move(cancelled)} {}
+  Dialogue(ByteStream& stream, std::function<bool()> cancelled,
+           const oi::Dialect& dialect = oi::kCreate)
+      : stream_{stream}, dialect_{dialect}, cancelled_{std::move(cancelled)} {}
 
   // Uses write_all(). What the port does not take is lost: a command that goes unanswered is
   // noticed by the silence.
@@ -76,6 +78,7 @@ class Dialogue final : public gpio::PulseClock {
   void note(std::span<const std::uint8_t> bytes);
 
   ByteStream& stream_;
+  const oi::Dialect& dialect_;
   std::function<bool()> cancelled_;
   bool hung_up_ = false;
   bool was_cancelled_ = false;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/stream_budget.hpp"
 
@@ -63,7 +64,7 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
   std::size_t size = 0;
   for (const oi::PacketId packet : packets) {
     if (!query.packets.push_back(packet)) return Failure{"more than 255 packets; ask for fewer"};
-    size += oi::packet(packet).size;
+    size += oi::kCreate.packet(packet).size;
   }
   (void)tell(stream, oi::PauseResumeStream{oi::StreamState::pause});
   const bool streamed = settle(stream);
@@ -86,7 +87,7 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
   oi::SensorValues values;
   std::span<const std::uint8_t> rest{answer};
   for (const oi::PacketId packet : packets) {
-    const std::size_t bytes = oi::packet(packet).size;
+    const std::size_t bytes = oi::kCreate.packet(packet).size;
     (void)oi::decode_packet(static_cast<std::uint8_t>(packet), rest.first(bytes),
                             values);  // known and whole
     rest = rest.subspan(bytes);

@@ -9,6 +9,7 @@
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/parse.hpp"
 #include "oi/text/command_text.hpp"
@@ -46,7 +47,7 @@ bool is_the_loops(const oi::CommandInfo& info) {
 
 // One whole command with values in range; the loop sends it after its own.
 int send(RobotObject& object, std::span<const std::uint8_t> bytes, std::uint32_t how) {
-  const oi::CommandInfo* info = oi::find_command(bytes[0]);
+  const oi::CommandInfo* info = oi::kCreate.find_command(bytes[0]);
   if (info == nullptr) return bad_argument("the robot has no such opcode");
   if (is_the_loops(*info)) {
     return fail(CARGOBAY_E_ARGUMENT, std::string{info->name} +

@@ -17,7 +17,7 @@
 #include "hal/file/port_descriptor.hpp"
 #include "hal/port/open_port.hpp"
 #include "hal/stream/spaced_stream.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::c {
 namespace {
@@ -47,7 +47,7 @@ std::string complaint(const cargobay_options& options) {
     return "`mode` must be CARGOBAY_MODE_SAFE or CARGOBAY_MODE_FULL: it drives in no other";
   if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
     return "`remainder` must be one of enum cargobay_remainder";
-  if (options.baud != 0 && !oi::baud_code(options.baud))
+  if (options.baud != 0 && !oi::kCreate.baud_code(options.baud))
     return "`baud` must be one of the robot's rates: 57600, 19200, ...";
   if (has(options, CARGOBAY_PIN_CPU) && !hal::kCpu.contains(options.cpu))
     return "`cpu` must be " + hal::kCpu.words();
@@ -195,8 +195,8 @@ int open_robot(const cargobay_options& options, cargobay_robot** handle) {
     config = std::move(*loaded);
   }
   lay_over(options, config);
-  const std::uint32_t baud = config.baud.value_or(oi::kDefaultBaud);
-  if (!oi::baud_code(baud))
+  const std::uint32_t baud = config.baud.value_or(oi::kCreate.default_baud);
+  if (!oi::kCreate.baud_code(baud))
     return fail(CARGOBAY_E_CONFIG, "the robot does not support " + std::to_string(baud) +
                                        " baud, which the configuration asks for; use 57600");
   hal::RobotOptions wanted = robot_options(options, config);

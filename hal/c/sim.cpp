@@ -14,7 +14,7 @@
 #include "hal/config/settings.hpp"
 #include "hal/file/port_descriptor.hpp"
 #include "hal/sim/remote/control.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::c {
 namespace {
@@ -27,7 +27,7 @@ std::string complaint(const cargobay_sim_options& options) {
     return "`time` must be CARGOBAY_SIM_REAL or CARGOBAY_SIM_VIRTUAL";
   if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
     return "`remainder` must be one of enum cargobay_remainder";
-  if (options.boot_baud != 0 && !oi::baud_code(options.boot_baud))
+  if (options.boot_baud != 0 && !oi::kCreate.baud_code(options.boot_baud))
     return "`boot_baud` must be one of the robot's rates: 57600, 19200, ...";
   if (options.time == CARGOBAY_SIM_VIRTUAL && options.link != nullptr)
     return "in virtual time there is no pseudo-terminal to `link` to";

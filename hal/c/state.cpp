@@ -265,7 +265,8 @@ int cargobay_describe_event(const struct cargobay_event* event, char* text, size
 const char* cargobay_packet_name(int packet) {
   const bool single = packet >= CARGOBAY_PACKET_BUMPS_AND_WHEEL_DROPS && packet < CARGOBAY_PACKETS;
   // From the table of packets, whose keys are literals.
-  return single ? cargobay::oi::find_packet(static_cast<std::uint8_t>(packet))->key.data() : "";
+  return single ? cargobay::oi::kCreate.find_packet(static_cast<std::uint8_t>(packet))->key.data()
+                : "";
 }
 
 int cargobay_get_sensors(struct cargobay_robot* robot, struct cargobay_sensors* sensors) {

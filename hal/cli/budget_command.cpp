@@ -9,14 +9,14 @@
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/packet_list.hpp"
 #include "hal/cli/terminal/print.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::cli {
 namespace {
 
 struct BudgetOptions {
-  std::uint32_t baud = oi::kDefaultBaud;
+  std::uint32_t baud = oi::kCreate.default_baud;
   std::string packets = "35,19,20";
 };
 
@@ -38,9 +38,9 @@ int budget(const BudgetOptions& options) {
     print_error(packets.failure().message);
     return kFailure;
   }
-  if (!oi::baud_code(options.baud).has_value()) {
+  if (!oi::kCreate.baud_code(options.baud).has_value()) {
     print_error(fmt::format("the robot does not support {} baud; choose from {}", options.baud,
-                            fmt::join(oi::kBaudRates, ", ")));
+                            fmt::join(oi::kCreate.baud_rates, ", ")));
     return kFailure;
   }
   const std::size_t frame = oi::frame_bytes(*packets);

@@ -13,6 +13,7 @@
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/words.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "oi/text/describe.hpp"
 
@@ -32,7 +33,7 @@ struct DecodeOptions {
 enum class Side : std::uint8_t { host, robot };
 
 Side guess(const Bytes& bytes) {
-  const bool command = oi::find_command(bytes[0]) != nullptr;
+  const bool command = oi::kCreate.find_command(bytes[0]) != nullptr;
   return command ? Side::host : Side::robot;
 }
 

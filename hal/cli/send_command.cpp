@@ -24,7 +24,7 @@
 #include "hal/cli/terminal/words.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/guard/farewell.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/text/command_text.hpp"
 
@@ -46,7 +46,7 @@ constexpr int kNoPriority = 0;
 constexpr milliseconds kFirstLook{40};  // whether a stream is under way already
 
 bool may_move(const std::vector<PlannedCommand>& commands) {
-  Expectation robot{oi::Mode::full, oi::kDefaultBaud};
+  Expectation robot{oi::Mode::full, oi::kCreate.default_baud};
   for (const PlannedCommand& command : commands) robot.take(command);
   return robot.has_moved();
 }
@@ -151,7 +151,7 @@ class Sending {
   }
   std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Baud& request) {
     if (!talk_.send(command.bytes)) return not_sent();
-    const std::uint32_t baud = oi::kBaudRates[request.code];
+    const std::uint32_t baud = oi::kCreate.baud_rates[request.code];
     if (talk_.change_baud(baud)) return std::nullopt;
     return hal::Failure{
         fmt::format("the port does not run at {} baud, but the robot does now; "
@@ -176,13 +176,13 @@ class Sending {
   std::optional<hal::Failure> query(const PlannedCommand& command,
                                     const std::vector<oi::PacketId>& packets) {
     std::size_t size = 0;
-    for (const oi::PacketId packet : packets) size += oi::packet(packet).size;
+    for (const oi::PacketId packet : packets) size += oi::kCreate.packet(packet).size;
     const std::vector<std::uint8_t> reply = talk_.ask(command.bytes, size);
     if (reply.size() != size) return unanswered();
     std::span<const std::uint8_t> rest{reply};
     for (const oi::PacketId packet : packets) {
       oi::SensorValues values;
-      const std::size_t bytes = oi::packet(packet).size;
+      const std::size_t bytes = oi::kCreate.packet(packet).size;
       // The packet is known and complete.
       (void)oi::decode_packet(static_cast<std::uint8_t>(packet), rest.first(bytes), values);
       fmt::print("{}", lines({packet}, values));

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::cli {
@@ -76,7 +76,7 @@ void Expectation::take(const PlannedCommand& command) {
     motion_ = Motion::none;
   }
   if (const auto* baud = std::get_if<oi::Baud>(&command.command))
-    baud_ = oi::kBaudRates[baud->code];
+    baud_ = oi::kCreate.baud_rates[baud->code];
   if (const auto* script = std::get_if<oi::Script>(&command.command)) script_ = *script;
   if (std::holds_alternative<oi::PlayScript>(command.command)) play_script();
   has_moved_ = has_moved_ || motion_ != Motion::none;

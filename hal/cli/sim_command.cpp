@@ -21,7 +21,7 @@
 #include "hal/sim/world/path_recorder.hpp"
 #include "hal/sim/world/world.hpp"
 #include "hal/sim/world/world_drawing.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "rt/refusal.hpp"
 
 namespace cargobay::cli {
@@ -37,7 +37,7 @@ struct ServeOptions {
   std::string trace;
   std::vector<std::string> faults;
   std::size_t count = 1;
-  std::uint32_t boot_baud = oi::kDefaultBaud;
+  std::uint32_t boot_baud = oi::kCreate.default_baud;
   std::size_t batch_bytes = hal::sim::ServerOptions{}.batch_bytes;
   int priority = 0;
 };
@@ -165,7 +165,7 @@ int write_traces(const hal::sim::World& world, const std::vector<Served>& robots
 
 int run(const ServeOptions& options) {
   StopSignals signals;
-  if (!oi::baud_code(options.boot_baud).has_value()) {
+  if (!oi::kCreate.baud_code(options.boot_baud).has_value()) {
     return fail(fmt::format("the robot does not support {} baud; choose 57600 or 19200",
                             options.boot_baud));
   }

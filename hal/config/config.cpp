@@ -13,7 +13,7 @@
 #include "hal/config/setting_table.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/file/read_input.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/text/nearest_name.hpp"
 
 // Set up to return errors, not to throw them: hal/CMakeLists.txt.
@@ -88,7 +88,8 @@ struct TakeSetting {
     const bool fits = number != nullptr && number->get() >= 0 &&
                       number->get() <= std::numeric_limits<std::int32_t>::max();
     const auto baud = fits ? static_cast<std::uint32_t>(number->get()) : 0U;
-    if (!oi::baud_code(baud)) return "must be one of the robot's rates, such as 57600 or 19200";
+    if (!oi::kCreate.baud_code(baud))
+      return "must be one of the robot's rates, such as 57600 or 19200";
     config.*member = baud;
     return std::nullopt;
   }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "hal/stream/spaced_stream.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -20,8 +21,8 @@ rt::Duration time_of_byte(std::uint32_t baud) {
 }
 
 // Zeros that fit between a frame and the command that answers it in the same tick.
-std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
-  const rt::Duration room = tick - oi::wire_time(kFrameBytes, baud) -
+std::size_t most_fill(rt::Duration tick, std::uint32_t baud, std::size_t frame_bytes) {
+  const rt::Duration room = tick - oi::wire_time(frame_bytes, baud) -
                             sending_time(oi::kDriveDirectBytes, baud) - way_around(tick);
   const rt::Duration least = std::max(room, rt::Duration::zero());
   const auto bytes = static_cast<std::size_t>(least / time_of_byte(baud));
@@ -31,7 +32,7 @@ std::size_t most_fill(rt::Duration tick, std::uint32_t baud) {
 // Bytes that can go out besides the loop's longest commands, a drive and a list, before the next
 // tick; no more than the backlog that the guard allows before its stop.
 std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
-  constexpr std::size_t kOwn = oi::kDriveDirectBytes + 2 + kSignalsLeftList.size();
+  constexpr std::size_t kOwn = oi::kDriveDirectBytes + 2 + oi::kMostListed;
   constexpr std::size_t kMostSpare = kMostBacklog - kOwn;
   const rt::Duration room = tick - sending_time(kOwn, baud) - way_around(tick);
   const auto bytes = std::max(room, rt::Duration::zero()) / time_of_byte(baud);
@@ -40,19 +41,22 @@ std::size_t spare_bytes(rt::Duration tick, std::uint32_t baud) {
 
 }  // namespace
 
-CommandSender::Line CommandSender::line_at(std::uint32_t baud, rt::Duration tick,
-                                           rt::Duration request_lasts) {
+CommandSender::Line CommandSender::line_at(std::uint32_t baud, std::size_t frame_bytes,
+                                           rt::Duration tick, rt::Duration request_lasts) {
   return {.tick = tick,
           .way_around = way_around(tick),
-          .lead = oi::wire_time(kFrameBytes, baud) + sending_time(oi::kDriveDirectBytes, baud),
+          .lead = oi::wire_time(frame_bytes, baud) + sending_time(oi::kDriveDirectBytes, baud),
           .byte_time = time_of_byte(baud),
           .request_lasts = request_lasts,
           .spare_bytes = hal::spare_bytes(tick, baud),
-          .most_fill = hal::most_fill(tick, baud)};
+          .most_fill = hal::most_fill(tick, baud, frame_bytes)};
 }
 
-CommandSender::CommandSender(ByteStream& stream, rt::Duration tick, rt::Duration request_lasts)
-    : stream_{stream}, line_{line_at(stream.baud(), tick, request_lasts)} {}
+CommandSender::CommandSender(ByteStream& stream, const oi::Dialect& dialect, rt::Duration tick,
+                             rt::Duration request_lasts)
+    : stream_{stream},
+      dialect_{dialect},
+      line_{line_at(stream.baud(), dialect.frame_bytes, tick, request_lasts)} {}
 
 FrameList CommandSender::next_list(FrameRotation::Counters counters,
                                    std::optional<FrameList> search) CARGOBAY_NONBLOCKING {
@@ -143,7 +147,7 @@ void CommandSender::add_list(FrameList list) CARGOBAY_NONBLOCKING {
 void CommandSender::add_request(const Moment& moment) CARGOBAY_NONBLOCKING {
   if (!request_) return;
   const std::span<const std::uint8_t> bytes = request_->command();
-  const oi::CommandInfo* info = bytes.empty() ? nullptr : oi::find_command(bytes[0]);
+  const oi::CommandInfo* info = bytes.empty() ? nullptr : dialect_.find_command(bytes[0]);
   if (info == nullptr || !info->available_in(moment.mode)) {
     request_.reset();  // the mode was lost after it was requested
     return;

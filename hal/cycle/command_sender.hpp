@@ -44,12 +44,13 @@ class CommandSender {
   // The most that the robot may still wait for of one of the loop's own commands if the line was
   // cut: all of a Drive Direct except its opcode, or all ids of a list.
   static constexpr std::size_t kLongestOwnRest =
-      std::max(oi::kDriveDirectBytes - 1, kSignalsLeftList.size());
+      std::max(oi::kDriveDirectBytes - 1, oi::kMostListed);
   // Our own work takes microseconds; if it takes longer, the thread was kept from the processor.
   static constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
-  // `stream` must outlive it and keep its rate. After `request_lasts` a request must have arrived.
-  CommandSender(ByteStream& stream, rt::Duration tick, rt::Duration request_lasts);
+  // `stream` must outlive it and keep its rate, and `dialect` too. After `request_lasts` a request must have arrived.
+  CommandSender(ByteStream& stream, const oi::Dialect& dialect, rt::Duration tick,
+                rt::Duration request_lasts);
 
   void set_guard(const GuardMark& guard) { guard_ = guard; }
   GuardMark& guard() CARGOBAY_NONBLOCKING { return guard_; }
@@ -114,7 +115,8 @@ class CommandSender {
     std::size_t spare_bytes;
     std::size_t most_fill;  // zeros that leave the command after them in its tick
   };
-  static Line line_at(std::uint32_t baud, rt::Duration tick, rt::Duration request_lasts);
+  static Line line_at(std::uint32_t baud, std::size_t frame_bytes, rt::Duration tick,
+                      rt::Duration request_lasts);
 
   // As far as is known.
   bool hears() const CARGOBAY_NONBLOCKING {
@@ -131,6 +133,7 @@ class CommandSender {
   Sent write_out(const Moment& moment) CARGOBAY_NONBLOCKING;
 
   ByteStream& stream_;
+  const oi::Dialect& dialect_;
   Line line_;
   GuardMark guard_{};
   FrameRotation rotation_{};
@@ -147,7 +150,7 @@ class CommandSender {
   std::size_t last_request_rest_ = 0;
   int port_error_ = 0;
   std::atomic<bool> abandoned_{false};
-  Outgoing outgoing_{};
+  Outgoing outgoing_{dialect_};
   std::optional<Request> request_{};
 };
 

@@ -13,7 +13,7 @@ namespace {
 // A frame's bytes may be handed over this long after its last bit.
 constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
 
-rt::Duration tick_of(const CycleParameters& parameters) {
+rt::Duration tick_of(const Parameters& parameters) {
   return rt::Duration{std::llround(parameters.loop.estimator.tick_s * 1e9)};
 }
 
@@ -29,21 +29,22 @@ bool changes(const rt::WheelSpeeds& before, const rt::WheelSpeeds& after) CARGOB
 ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
     : stream_{stream.at_this_rate()},
       parameters_{parameters},
-      frame_time_{oi::wire_time(kFrameBytes, stream.baud())},
+      frame_time_{oi::wire_time(parameters.dialect->frame_bytes, stream.baud())},
       control_{{.tick = tick_of(parameters),
                 .budget = parameters.control_budget,
                 .overruns_allowed = parameters.control_overruns_allowed}},
-      ledger_{tick_of(parameters), parameters.late_margin, counters_.frames},
+      ledger_{parameters.dialect->frame_bytes, tick_of(parameters), parameters.late_margin,
+              counters_.frames},
       loop_{parameters.loop},
       odometry_{parameters.odometry},
-      sender_{stream_, tick_of(parameters), parameters.link_timeout},
+      sender_{stream_, *parameters.dialect, tick_of(parameters), parameters.link_timeout},
       setpoint_{parameters.setpoint_lapse},
       silence_{{.tick = tick_of(parameters),
                 .stop_after = parameters.stop_after,
                 .link_timeout = parameters.link_timeout}},
       mode_watch_{parameters.drive_mode},
       power_{parameters.power},
-      receiver_{tick_of(parameters)} {}
+      receiver_{*parameters.dialect, tick_of(parameters)} {}
 
 CycleEnd ControlCycle::run() CARGOBAY_NONBLOCKING {
   begin();

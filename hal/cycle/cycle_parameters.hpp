@@ -6,6 +6,7 @@
 
 #include "hal/sensing/power_watch.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "rt/clock.hpp"
 #include "rt/odometry.hpp"
 #include "rt/wheel_loop.hpp"
@@ -19,6 +20,7 @@ enum class OnModeLoss : std::uint8_t {
 };
 
 struct CycleParameters {
+  const oi::Dialect* dialect = &oi::kCreate;  // of the robot; must outlive the cycle
   // Its estimator's tick_s is the robot's tick: 15 ms, except where the cycle itself is measured.
   rt::WheelLoop::Parameters loop{};
   oi::Mode drive_mode = oi::Mode::safe;  // safe or full: where the robot must stay
@@ -36,5 +38,15 @@ struct CycleParameters {
   rt::Odometry::Parameters odometry{};
   PowerWatch::Limits power{};
 };
+
+static_assert(rt::WheelEstimator::Parameters{}.wheel_base_mm == oi::kCreate.wheel_base_mm);
+
+// The defaults for this robot; the dialect must outlive the cycle.
+inline CycleParameters defaults_for(const oi::Dialect& dialect) {
+  CycleParameters parameters{.dialect = &dialect};
+  parameters.loop.estimator.wheel_base_mm = dialect.wheel_base_mm;
+  parameters.odometry.wheel_base_mm = dialect.wheel_base_mm;
+  return parameters;
+}
 
 }  // namespace cargobay::hal

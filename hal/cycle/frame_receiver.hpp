@@ -26,7 +26,9 @@ class FrameReceiver {
   // One entry per frame, of at least 5 bytes: what it says about the counters.
   using Readings = oi::FixedList<Reading, kBytes / 4>;
 
-  explicit FrameReceiver(rt::Duration tick) : quiet_{kQuietTicks * tick} {}
+  // The dialect must outlive it.
+  FrameReceiver(const oi::Dialect& dialect, rt::Duration tick)
+      : dialect_{dialect}, quiet_{kQuietTicks * tick} {}
 
   // Starts waiting.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_bytes_ = now; }
@@ -59,8 +61,8 @@ class FrameReceiver {
   // The list of that frame; nothing for a frame that was not requested: a command has no checksum,
   // and one damaged on its way may have asked for any packets.
   std::optional<FrameList> list() const CARGOBAY_NONBLOCKING {
-    if (decoder_.frame().size() != kFrameBytes) return std::nullopt;
-    return list_of(values_);
+    if (decoder_.frame().size() != dialect_.frame_bytes) return std::nullopt;
+    return list_of(values_, dialect_);
   }
 
   // Candidates that were not frames, since the last call.
@@ -95,18 +97,18 @@ class FrameReceiver {
       return;
     }
     values_.clear();
-    (void)oi::decode_frame(decoder_.frame(), values_);  // whole: the decoder checked its structure
-    (void)readings_.push_back(reading());               // has room
+    (void)oi::decode_frame(decoder_.frame(), values_, dialect_);  // whole: the decoder checked it
+    (void)readings_.push_back(reading());                         // has room
     see(values_);
   }
   Reading reading() const CARGOBAY_NONBLOCKING {
-    if (!values_.has(oi::PacketId::distance) || !values_.has(oi::PacketId::angle))
-      return std::nullopt;
-    return rt::WheelEstimator::Reading{.distance_mm = values_.raw(oi::PacketId::distance),
-                                       .angle_deg = values_.raw(oi::PacketId::angle)};
+    if (!values_.has(dialect_.distance) || !values_.has(dialect_.angle)) return std::nullopt;
+    return rt::WheelEstimator::Reading{.distance_mm = values_.raw(dialect_.distance),
+                                       .angle_deg = values_.raw(dialect_.angle)};
   }
 
-  oi::StreamDecoder decoder_{};
+  const oi::Dialect& dialect_;
+  oi::StreamDecoder decoder_{oi::Checksum::automatic, dialect_};
   oi::SensorValues values_{};
   std::uint64_t corrupt_ = 0;
   rt::Duration quiet_;

@@ -23,7 +23,7 @@ void Outgoing::add_drive(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
 }
 
 void Outgoing::add_list(FrameList list) CARGOBAY_NONBLOCKING {
-  add({.kind = Kind::list, .list = list}, oi::encode(oi::Stream{packets(list)}));
+  add({.kind = Kind::list, .list = list}, oi::encode(oi::Stream{dialect_.list(list)}));
 }
 
 void Outgoing::add_mode(oi::Mode mode) CARGOBAY_NONBLOCKING {

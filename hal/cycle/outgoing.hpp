@@ -12,6 +12,7 @@
 #include "hal/cycle/request.hpp"
 #include "hal/sensing/frame_lists.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/fixed_list.hpp"
 #include "rt/nonblocking.hpp"
@@ -32,6 +33,9 @@ class Outgoing {
     bool list = false;
     FrameList streamed = FrameList::reading;
   };
+
+  // The dialect must outlive it.
+  explicit Outgoing(const oi::Dialect& dialect = oi::kCreate) : dialect_{dialect} {}
 
   // DriveDirect in whole mm/s, within the robot's range.
   void add_drive(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
@@ -80,6 +84,7 @@ class Outgoing {
   static constexpr std::size_t kMostRestBytes = std::max(Request::kMostBytes, kMostFill);
   static constexpr std::size_t kMostBytes =
       kMostRestBytes + 3 * kMostCommandBytes + kMostFill + Request::kMostBytes;
+  const oi::Dialect& dialect_;
   oi::FixedList<std::uint8_t, kMostBytes> bytes_{};
   oi::FixedList<Piece, kMostPieces> pieces_{};
   bool begins_with_rest_ = false;

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "hal/sensing/frame_lists.hpp"
-
 namespace cargobay::hal {
 namespace {
 
-// Bytes of a frame that noise has shortened or lengthened by a few.
-constexpr std::size_t kLeastOfAFrame = kFrameBytes - 2;
-constexpr std::size_t kMostOfAFrame = kFrameBytes + 2;
+constexpr std::size_t kNoiseBytes = 2;  // noise shortens or lengthens a frame by so many
 
 }  // namespace
 
@@ -39,7 +35,7 @@ void TickLedger::settle(const Arrival& arrival, Account& account) CARGOBAY_NONBL
   account.lost = clock_.arrived(arrival.time, arrival.frames, damaged_);
   const std::int64_t passed = clock_.ticks() + clock_.missing() - before;
   const std::uint64_t bytes = arrival.bytes.bytes - bytes_;
-  account.bytes_missing = bytes < static_cast<std::uint64_t>(passed) * kFrameBytes;
+  account.bytes_missing = bytes < static_cast<std::uint64_t>(passed) * frame_bytes_;
   account.incomplete = account.lost > 0 || clock_.missing() > 0;
 
   const int given_up = std::max(account.lost, 0);
@@ -66,9 +62,10 @@ std::uint64_t TickLedger::newly_damaged(const Arrival& arrival, Account& account
       arrival.bytes.skipped - std::exchange(skipped_, arrival.bytes.skipped);
   if (skipped == 0) return arrival.corrupt;
   const auto ticks = static_cast<std::uint64_t>((arrival.time - last_arrival_) / tick_);
-  account.says_more = skipped > ticks * kMostOfAFrame;
-  return account.says_more ? arrival.corrupt
-                           : std::max<std::uint64_t>(arrival.corrupt, skipped / kLeastOfAFrame);
+  account.says_more = skipped > ticks * (frame_bytes_ + kNoiseBytes);
+  return account.says_more
+             ? arrival.corrupt
+             : std::max<std::uint64_t>(arrival.corrupt, skipped / (frame_bytes_ - kNoiseBytes));
 }
 
 // Frames that were given up have arrived. For those counted as bad, what looked like their remains

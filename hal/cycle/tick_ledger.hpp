@@ -1,6 +1,7 @@
 // Counts each tick of the robot once, by what arrives: its frame was good, bad or lost.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "hal/cycle/cycle_state.hpp"
@@ -32,8 +33,13 @@ class TickLedger {
     bool incomplete = false;     // a frame is lost, or may still come
   };
 
-  TickLedger(rt::Duration tick, rt::Duration late_margin, FrameCounters& counters)
-      : counters_{counters}, clock_{tick}, tick_{tick}, late_margin_{late_margin} {}
+  TickLedger(std::size_t frame_bytes, rt::Duration tick, rt::Duration late_margin,
+             FrameCounters& counters)
+      : counters_{counters},
+        clock_{tick},
+        frame_bytes_{frame_bytes},
+        tick_{tick},
+        late_margin_{late_margin} {}
 
   // Starts waiting.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_arrival_ = now; }
@@ -67,6 +73,7 @@ class TickLedger {
 
   FrameCounters& counters_;
   rt::TickClock clock_;
+  std::size_t frame_bytes_;
   rt::Duration tick_;
   rt::Duration late_margin_;
   rt::TimePoint last_arrival_{};

@@ -21,8 +21,8 @@
 #include "hal/guard/guard_port.hpp"
 #include "hal/port/tty_speed.hpp"
 #include "hal/stream/spaced_stream.hpp"
-#include "oi/baud.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::hal {
@@ -172,7 +172,8 @@ Parting say_farewell(GuardBlock& block) {
   if (oi::needs_spacing(port.baud())) unfinished.bytes = oi::kLongestRest;
   const Parting parting = farewell(port, unfinished);
   if (parting != Parting::unconfirmed || block.driven) return parting;
-  for (const std::uint32_t baud : {block.wanted_baud, oi::kDefaultBaud, oi::kBrcBaud}) {
+  for (const std::uint32_t baud :
+       {block.wanted_baud, oi::kCreate.default_baud, oi::kCreate.brc_baud}) {
     if (baud == port.baud() || port.set_baud(baud)) continue;
     unfinished.bytes = oi::kLongestRest;
     if (farewell(port, unfinished) == Parting::standing) return Parting::standing;

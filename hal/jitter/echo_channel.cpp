@@ -74,7 +74,7 @@ class EchoChannel final : public Channel {
     auto stream = open_pty(port_->path(), kPtyBaud);
     if (!stream) return stream.failure();
     stream_ = std::move(*stream);
-    if (const std::error_code error = stream_->set_wake_threshold(kFrameBytes); error)
+    if (const std::error_code error = stream_->set_wake_threshold(oi::kCreate.frame_bytes); error)
       return Failure{"cannot set the pseudo-terminal: " + error.message(), error};
     source_ = {.to_measured = port_->descriptor(), .from_measured = port_->descriptor()};
     from_source_ = to_source_ = stream_->terminal().descriptor;

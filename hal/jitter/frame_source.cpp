@@ -97,7 +97,7 @@ class Source {
   }
   static FrameList list_asked_for(std::span<const std::uint8_t> ids) {
     for (const FrameList list : {FrameList::hazards, FrameList::battery}) {
-      const oi::StreamList& wanted = packets(list);
+      const oi::StreamList& wanted = oi::kCreate.list(list);
       const bool same = std::equal(ids.begin(), ids.end(), wanted.begin(), wanted.end(),
                                    [](std::uint8_t id, oi::PacketId packet) {
                                      return id == static_cast<std::uint8_t>(packet);

@@ -1,6 +1,8 @@
 #include "hal/jitter/loop_channel.hpp"
 
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/jitter/line_slice.hpp"
 #include "hal/jitter/stamped_stream.hpp"
 #include "hal/port/pty_transport.hpp"
@@ -8,6 +10,7 @@
 #include "hal/recording/recording_stream.hpp"
 #include "hal/sim/line/pty_port.hpp"
 #include "oi/limits.hpp"
+#include "rt/histogram.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::hal::jitter {
@@ -73,7 +76,7 @@ Result<std::unique_ptr<Channel>> make_loop_channel(const Settings& settings,
   if (!port) return port.failure();
   auto stream = open_pty((*port)->path(), kPtyBaud);
   if (!stream) return stream.failure();
-  if (const std::error_code error = (*stream)->set_wake_threshold(kFrameBytes); error)
+  if (const std::error_code error = (*stream)->set_wake_threshold(oi::kCreate.frame_bytes); error)
     return Failure{"cannot set the pseudo-terminal: " + error.message(), error};
   return std::unique_ptr<Channel>{
       std::make_unique<LoopChannel>(settings, held, std::move(*port), std::move(*stream))};

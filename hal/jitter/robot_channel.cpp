@@ -2,12 +2,15 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/jitter/stamped_stream.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_stream.hpp"
 #include "oi/limits.hpp"
 #include "oi/stream_budget.hpp"
+#include "rt/histogram.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::hal::jitter {
@@ -73,7 +76,7 @@ class RobotChannel final : public Channel {
       : Channel{"robot"}, settings_{settings}, stream_{std::move(stream)}, server_{server} {
     measured_.period = oi::kTick;
     if (server_ == nullptr) return;
-    const rt::Duration frame = oi::wire_time(kFrameBytes, stream_->baud());
+    const rt::Duration frame = oi::wire_time(oi::kCreate.frame_bytes, stream_->baud());
     server_->with_device([this, frame](sim::Device& device) {
       // The server listens too: it keeps the truth of each tick.
       former_on_tick_ = std::move(device.on_tick);
@@ -106,11 +109,12 @@ class RobotChannel final : public Channel {
     if (!duty) return duty.failure();
     duty_ = std::move(*duty);
     Parting left = Parting::unconfirmed;
-    const auto report = bring_up(*stream_, {.packets = kReadingList, .left = &left});
+    const auto report =
+        bring_up(*stream_, {.packets = oi::kCreate.list(oi::FrameList::reading), .left = &left});
     if (!report)
       return Failure{report.failure().message + fate(duty_->discharge_after(left)),
                      report.failure().code};
-    if (const std::error_code error = stream_->set_wake_threshold(kFrameBytes); error)
+    if (const std::error_code error = stream_->set_wake_threshold(oi::kCreate.frame_bytes); error)
       return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
     return std::nullopt;
   }

@@ -10,7 +10,7 @@
 
 namespace cargobay::hal::jitter {
 
-using FrameBytes = std::array<std::uint8_t, kFrameBytes>;
+using FrameBytes = std::array<std::uint8_t, oi::kCreate.frame_bytes>;
 
 inline FrameBytes sample_frame(FrameList list) {
   oi::SensorValues values;
@@ -22,7 +22,8 @@ inline FrameBytes sample_frame(FrameList list) {
   values.set(oi::PacketId::battery_charge, 2'600);
   values.set(oi::PacketId::battery_capacity, 2'700);
   FrameBytes bytes{};
-  (void)oi::encode_frame(packets(list), values, oi::Checksum::including_header, bytes);  // fits
+  (void)oi::encode_frame(oi::kCreate.list(list), values, oi::Checksum::including_header,
+                         bytes);  // fits
   return bytes;
 }
 

@@ -70,8 +70,9 @@ void each_loop_field(Parameters& parameters, const Field& field) {
 
 template <typename Parameters, typename Field>
 void each_field(Parameters& parameters, const Field& field) {
-  auto& [loop, drive_mode, late_margin, stop_after, link_timeout, setpoint_lapse, control_budget,
-         control_overruns_allowed, on_mode_loss, odometry, power] = parameters;
+  auto& [dialect, loop, drive_mode, late_margin, stop_after, link_timeout, setpoint_lapse,
+         control_budget, control_overruns_allowed, on_mode_loss, odometry, power] = parameters;
+  (void)dialect;   // the only one
   (void)odometry;  // nothing that is recorded depends on it
   auto& [low_mv, recovered_mv, low_part, recovered_part] = power;
   each_loop_field(loop, field);

@@ -10,6 +10,9 @@
 #include <string_view>
 
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
+#include "hal/cycle/request.hpp"
 #include "hal/guard/guard_block.hpp"
 #include "hal/guard/guard_mark.hpp"
 #include "hal/stream/byte_stream.hpp"

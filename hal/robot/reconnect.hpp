@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/port/open_port.hpp"
 #include "hal/port/port_identity.hpp"
 #include "hal/result.hpp"

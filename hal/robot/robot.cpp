@@ -17,9 +17,9 @@ namespace {
 
 // From the robot's tick to the arrival of the command that answers its frame: both on the wire, and
 // a little for the software.
-double input_delay_s(std::uint32_t baud) {
+double input_delay_s(std::uint32_t baud, std::size_t frame_bytes) {
   constexpr rt::Duration kSoftware = std::chrono::microseconds{200};
-  return rt::seconds(oi::wire_time(kFrameBytes, baud) + sending_time(oi::kDriveDirectBytes, baud) +
+  return rt::seconds(oi::wire_time(frame_bytes, baud) + sending_time(oi::kDriveDirectBytes, baud) +
                      kSoftware);
 }
 
@@ -57,7 +57,8 @@ Robot::Robot(std::unique_ptr<ByteStream> stream, std::unique_ptr<Duty> duty,
       recorder_{options.recorder_bytes},
       recorded_{stream_->at_this_rate(), recorder_},
       duty_{std::move(duty)} {
-  options_.cycle.loop.estimator.input_delay_s = input_delay_s(stream_->baud());
+  options_.cycle.loop.estimator.input_delay_s =
+      input_delay_s(stream_->baud(), options_.cycle.dialect->frame_bytes);
   cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);
   cycle_->set_observer(observer());
   if (Guard* const guard = duty_->guard()) cycle_->set_guard(guard->mark());
@@ -82,8 +83,10 @@ Result<Robot::Owned> Robot::open(std::unique_ptr<ByteStream> stream, const Robot
   auto duty = Duty::begin(*stream, options.guard, options.realtime.priority);
   if (!duty) return duty.failure();
   Parting left = Parting::unconfirmed;
-  const auto report = bring_up(*stream, {.mode = options.cycle.drive_mode,
-                                         .packets = kReadingList,
+  const oi::Dialect& dialect = *options.cycle.dialect;
+  const auto report = bring_up(*stream, {.dialect = &dialect,
+                                         .mode = options.cycle.drive_mode,
+                                         .packets = dialect.list(FrameList::reading),
                                          .pins = options.pins,
                                          .progress = options.progress,
                                          .cancelled = options.cancelled,
@@ -94,7 +97,8 @@ Result<Robot::Owned> Robot::open(std::unique_ptr<ByteStream> stream, const Robot
     return failure;
   }
   Owned robot{new Robot{std::move(stream), std::move(*duty), options, *report}};
-  if (const std::error_code error = robot->stream_->set_wake_threshold(kFrameBytes); error) {
+  if (const std::error_code error = robot->stream_->set_wake_threshold(dialect.frame_bytes);
+      error) {
     return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
   }
   return robot;

@@ -9,6 +9,9 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
+#include "hal/cycle/request.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/guard/guard.hpp"
 #include "hal/recording/exchange.hpp"
@@ -17,8 +20,10 @@
 #include "hal/recording/recording_stream.hpp"
 #include "hal/result.hpp"
 #include "hal/robot/port_watch.hpp"
+#include "hal/sensing/sensor_board.hpp"
 #include "hal/stream/byte_stream.hpp"
 #include "rt/doorbell.hpp"
+#include "rt/histogram.hpp"
 #include "rt/realtime.hpp"
 
 namespace cargobay::hal {

@@ -5,9 +5,8 @@
 #include <cstdint>
 
 #include "hal/sim/battery.hpp"
-#include "oi/baud.hpp"
 #include "oi/checksum.hpp"
-#include "oi/extensions.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
 
@@ -26,7 +25,7 @@ struct WheelParameters {
   double droop_right = 0.10;
   double dead_band_mm_s = 10.0;   // commanded speeds below this do not turn the wheel
   double counts_per_mm = 7.8324;  // of the encoders
-  double wheel_base_mm = oi::kWheelBaseMm;
+  double wheel_base_mm = oi::kCreate.wheel_base_mm;
   // The speed that a turning wheel is driven at wanders: standard deviation and correlation time.
   // If it is 0 mm/s the speed does not wander, and the seed does not matter.
   double noise_mm_s = 1.0;
@@ -43,12 +42,13 @@ enum class PowerOn : std::uint8_t {
 struct Parameters {
   Remainder remainder = Remainder::carried;
   oi::Checksum checksum = oi::Checksum::including_header;  // of stream frames
-  std::uint32_t boot_baud = oi::kDefaultBaud;  // 57600 or 19200 (OI p. 5); any rate is accepted
+  std::uint32_t boot_baud =
+      oi::kCreate.default_baud;  // 57600 or 19200 (OI p. 5); any rate is accepted
   std::uint64_t seed = 1;
   rt::Duration first_tick = oi::kTick;  // from power-on; then every 15 ms
   std::size_t transmit_bytes = 1024;    // room for bytes waiting to be sent; more are lost
   // What firmware of 2007-09-24 has beyond the manual: packets 43 and 44, opcodes 7 and 8.
-  oi::Extensions extensions = oi::Extensions::off;
+  const oi::Dialect* dialect = &oi::kCreate;
   PowerOn power_on = PowerOn::long_ago;
   bool charging_text = true;  // while charging, a line of text each second among the replies
   // How wide the infrared receiver sees, centred on the front. Less than 360 is a receiver with

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/text/argument_names.hpp"
 #include "oi/text/nearest_name.hpp"
 #include "oi/text/song.hpp"
@@ -89,7 +90,7 @@ class Encoder {
   bool command(const Word& key, const CommandInfo* around) {
     if (key.text == kRawBytesKey)
       return around == nullptr ? fail(Code::bytes_outside, key) : raw_bytes();
-    const CommandInfo* info = find_command(key.text);
+    const CommandInfo* info = kCreate.find_command(key.text);
     if (info == nullptr) return unknown(key);
     const bool whole =
         info->tail == Tail::script_bytes

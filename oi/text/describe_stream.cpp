@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "oi/checksum.hpp"
+#include "oi/dialect.hpp"
 #include "oi/frame.hpp"
 #include "oi/sensors.hpp"
 #include "oi/text/describe.hpp"
@@ -55,12 +56,12 @@ class StreamDescriber {
 
   Described reply(std::span<const PacketId> packets) {
     std::size_t all = 0;
-    for (const PacketId id : packets) all += packet(id).size;
+    for (const PacketId id : packets) all += kCreate.packet(id).size;
     for (const PacketId id : packets) {
-      if (bytes_.size() - at_ >= packet(id).size) {
-        values(packet(id));
+      if (bytes_.size() - at_ >= kCreate.packet(id).size) {
+        values(kCreate.packet(id));
       } else {
-        part_of_packet(packet(id));
+        part_of_packet(kCreate.packet(id));
       }
     }
     if (bytes_.size() < all) tell_.tell_missing(all - bytes_.size());
@@ -88,7 +89,7 @@ class StreamDescriber {
     if (bytes.size() < kMinFrameBytes || bytes[0] != kFrameHeader) return 0;
     const std::size_t length = bytes[1] + kFrameOverhead;
     if (bytes.size() < length) return 0;
-    return is_well_formed(bytes.first(length), item_sizes(Extensions::off)) ? length : 0;
+    return is_well_formed(bytes.first(length), kCreate.item_sizes) ? length : 0;
   }
 
   // How many bytes are missing if these can be the beginning of a frame; 0 if they cannot, or if a
@@ -99,7 +100,7 @@ class StreamDescriber {
     const std::size_t length = bytes[1] + kFrameOverhead;
     if (length < kMinFrameBytes || bytes.size() >= length) return 0;
     for (std::size_t at = 2; at + 1 < length && at < bytes.size();) {
-      const std::size_t size = item_sizes(Extensions::off)[bytes[at]];
+      const std::size_t size = kCreate.item_sizes[bytes[at]];
       if (size == 0 || at + size + 1 > length) return 0;
       at += size;
     }
@@ -120,7 +121,7 @@ class StreamDescriber {
   }
 
   void packet_id() {
-    const PacketInfo& info = *find_packet(bytes_[at_]);
+    const PacketInfo& info = *kCreate.find_packet(bytes_[at_]);
     TextWriter& out = tell_.words();
     out.put("packet ");
     out.put_number(info.id);
@@ -133,7 +134,7 @@ class StreamDescriber {
     const std::size_t checksum_at = at_ + frame.size() - 1;
     header_and_length();
     while (at_ < checksum_at) {
-      const PacketInfo& info = *find_packet(bytes_[at_]);
+      const PacketInfo& info = *kCreate.find_packet(bytes_[at_]);
       packet_id();
       values(info);
     }
@@ -162,7 +163,7 @@ class StreamDescriber {
   // All bytes of the packet are there.
   void values(const PacketInfo& info) {
     for (std::uint8_t id = info.first; id <= info.last; ++id) {
-      const PacketInfo& single = *find_packet(id);
+      const PacketInfo& single = *kCreate.find_packet(id);
       const std::int32_t value = detail::read_value(single, bytes_.subspan(at_));
       TextWriter& out = tell_.words();
       out.put(single.key);
@@ -182,7 +183,7 @@ class StreamDescriber {
   // As much of the packet as is there.
   void part_of_packet(const PacketInfo& info) {
     for (std::uint8_t id = info.first; id <= info.last && at_ < bytes_.size(); ++id) {
-      const PacketInfo& single = *find_packet(id);
+      const PacketInfo& single = *kCreate.find_packet(id);
       if (bytes_.size() - at_ >= single.size) {
         values(single);
         continue;
@@ -196,7 +197,7 @@ class StreamDescriber {
   Described cut_short(std::size_t needed) {
     header_and_length();
     while (at_ < bytes_.size()) {
-      const PacketInfo& info = *find_packet(bytes_[at_]);
+      const PacketInfo& info = *kCreate.find_packet(bytes_[at_]);
       packet_id();
       if (bytes_.size() - at_ >= info.size) {
         values(info);
@@ -267,7 +268,7 @@ void write_sensor_value(TextWriter& out, PacketId packet, std::int32_t value) {
     out.put(" ");
     return write_bits(out, packet, value);
   }
-  const std::string_view unit = symbol(oi::packet(packet).unit);
+  const std::string_view unit = symbol(kCreate.packet(packet).unit);
   if (unit.empty()) return;
   out.put(" ");
   out.put(unit);

@@ -1,11 +1,12 @@
 #include "oi/text/packet_name.hpp"
 
+#include "oi/dialect.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/text/text_number.hpp"
 
 namespace cargobay::oi {
 
-std::optional<std::uint8_t> find_packet(std::string_view key_or_number) {
+std::optional<std::uint8_t> packet_named(std::string_view key_or_number) {
   for (const PacketInfo& info : kPackets) {
     if (info.key == key_or_number) return info.id;
   }

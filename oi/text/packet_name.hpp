@@ -9,6 +9,6 @@ namespace cargobay::oi {
 
 // The packet with this key or number (decimal, or hexadecimal after 0x); nothing if no packet has
 // it.
-std::optional<std::uint8_t> find_packet(std::string_view key_or_number);
+std::optional<std::uint8_t> packet_named(std::string_view key_or_number);
 
 }  // namespace cargobay::oi

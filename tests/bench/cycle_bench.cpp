@@ -8,6 +8,8 @@
 #include <benchmark/benchmark.h>
 
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_stream.hpp"
 #include "oi/encode.hpp"

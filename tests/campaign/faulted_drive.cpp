@@ -65,15 +65,17 @@ class FaultedDrive {
  private:
   bool bring_up() {
     (void)stream_.set_wake_threshold(1);  // in range
-    return static_cast<bool>(hal::bring_up(stream_, {.packets = hal::kReadingList}));
+    return static_cast<bool>(
+        hal::bring_up(stream_, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
   }
 
   // A robot that was told to wait for something is deaf until that comes.
   bool bring_up_by_toggle() {
     seen_.toggled = true;
     hal::sim::Pins pins{[this](const auto& change) { change(device_); }};
-    return static_cast<bool>(hal::bring_up(
-        stream_, {.packets = hal::kReadingList, .pins = {.power_toggle = &pins.power_toggle}}));
+    return static_cast<bool>(
+        hal::bring_up(stream_, {.packets = oi::kCreate.list(oi::FrameList::reading),
+                                .pins = {.power_toggle = &pins.power_toggle}}));
   }
 
   // When the fault begins and ends, and how long to drive after it.
@@ -130,10 +132,10 @@ class FaultedDrive {
 
   // Also makes it the cycle_. On the heap: it holds a minute of states.
   std::unique_ptr<hal::ControlCycle> make_cycle(const hal::ControlFunction& control) {
-    (void)stream_.set_wake_threshold(hal::kFrameBytes);  // in range
+    (void)stream_.set_wake_threshold(oi::kCreate.frame_bytes);  // in range
     hal::ControlCycle::Parameters parameters;
     parameters.loop.estimator.input_delay_s =
-        rt::seconds(oi::wire_time(hal::kFrameBytes + oi::kDriveDirectBytes, stream_.baud()));
+        rt::seconds(oi::wire_time(oi::kCreate.frame_bytes + oi::kDriveDirectBytes, stream_.baud()));
     auto cycle = std::make_unique<hal::ControlCycle>(stream_, parameters);
     cycle->set_control(control);
     cycle_ = cycle.get();

@@ -8,6 +8,8 @@
 
 #include "hal/cli/drive/profile.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/sim/robot/device.hpp"
 #include "tests/campaign/fault_case.hpp"
 

@@ -21,11 +21,15 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_outlets.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/port/open_port.hpp"
 #include "hal/robot/robot.hpp"
 #include "hal/sim/line/server.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/robot/device.hpp"
+#include "oi/dialect.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/campaign/number.hpp"
 
@@ -118,8 +122,8 @@ class VirtualSoak {
   explicit VirtualSoak(std::uint64_t frames) : frames_{frames} {}
 
   bool run() {
-    if (!hal::bring_up(link_, {.packets = hal::kReadingList})) return false;
-    if (link_.set_wake_threshold(hal::kFrameBytes)) return false;
+    if (!hal::bring_up(link_, {.packets = oi::kCreate.list(oi::FrameList::reading)})) return false;
+    if (link_.set_wake_threshold(oi::kCreate.frame_bytes)) return false;
     cycle_ = std::make_unique<hal::ControlCycle>(link_, hal::ControlCycle::Parameters{});
     cycle_->set_control({.function = &VirtualSoak::control, .context = this});
     const bool asked = cycle_->run() == hal::CycleEnd::asked;
@@ -167,7 +171,7 @@ class RealSoak {
     };
     const auto server = hal::sim::Server::open({}, options);
     if (!server || (*server)->start()) return failed("the virtual Create does not start");
-    auto port = hal::open_port((*server)->path(), oi::kDefaultBaud);
+    auto port = hal::open_port((*server)->path(), oi::kCreate.default_baud);
     if (!port) return failed(port.failure().message);
     auto robot = hal::Robot::open(std::move(port->stream), {});
     if (!robot) return failed(robot.failure().message);

@@ -7,6 +7,7 @@
 
 #include "hal/sensing/mode_watch.hpp"
 #include "oi/checksum.hpp"
+#include "oi/dialect.hpp"
 #include "oi/frame.hpp"
 #include "oi/limits.hpp"
 
@@ -226,7 +227,7 @@ class Judge {
       const std::size_t size = bytes[i + 1] + oi::kFrameOverhead;
       if (bytes[i] != oi::kFrameHeader || i + size > bytes.size()) continue;
       const auto frame = bytes.subspan(i, size);
-      if (!oi::is_well_formed(frame, oi::item_sizes(oi::Extensions::off))) continue;
+      if (!oi::is_well_formed(frame, oi::kCreate.item_sizes)) continue;
       if (!oi::checksum_matches(frame, oi::Checksum::including_header)) continue;
       if (std::ranges::search(seen_.sent, frame).empty()) ++verdict_.impostors;
     }

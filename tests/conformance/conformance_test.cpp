@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "oi/checksum.hpp"
+#include "oi/dialect.hpp"
 #include "oi/packet_table.hpp"
 #include "tests/conformance/subject.hpp"
 
@@ -40,7 +41,7 @@ TEST_F(GettingStartedCommands, BaudChangesTheRateBothWays) {
   wait(150ms);
   ASSERT_FALSE(stream().set_baud(19200));
   EXPECT_EQ(mode(), 1);
-  send({129, *oi::baud_code(boot_baud)});
+  send({129, *oi::kCreate.baud_code(boot_baud)});
   wait(150ms);
   ASSERT_FALSE(stream().set_baud(boot_baud));
   EXPECT_EQ(mode(), 1);
@@ -57,7 +58,7 @@ TEST_F(GettingStartedCommands, EveryBaudCodeIsItsRate) {
     EXPECT_EQ(mode(), 1) << rate << " baud";
     wait(1ms);  // 115200 needs a pause after the answer too
   }
-  send({129, *oi::baud_code(boot_baud)});
+  send({129, *oi::kCreate.baud_code(boot_baud)});
   wait(150ms);
   ASSERT_FALSE(stream().set_baud(boot_baud));
   EXPECT_EQ(mode(), 1);
@@ -133,7 +134,7 @@ TEST_F(ModeCommands, OthersAreObeyedInEachMode) {
     EXPECT_EQ(ask({153}, 1), (Bytes{its_own})) << "Play Script";
     EXPECT_EQ(ask({155, 1, 142, 35}, 1), (Bytes{its_own})) << "Wait Time";
     EXPECT_EQ(ask({158, 251, 142, 35}, 1), (Bytes{its_own})) << "Wait Event";
-    send({129, *oi::baud_code(boot_baud)});
+    send({129, *oi::kCreate.baud_code(boot_baud)});
     wait(150ms);
     mode_is_kept_by("Baud");
   }
@@ -516,7 +517,7 @@ TEST_F(SongCommands, HoldSixteenNotes) {
 TEST_F(InputCommands, EveryPacketHasItsSize) {
   for (std::uint8_t id = 0; id < oi::kPacketCount; ++id) {
     send({142, id});
-    EXPECT_EQ(listen(40ms).size(), oi::packet_size(id)) << int{id};
+    EXPECT_EQ(listen(40ms).size(), oi::kCreate.packet_size(id)) << int{id};
   }
 }
 
@@ -592,7 +593,7 @@ TEST_F(InputCommands, EachGroupIsItsPacketsInOrder) {
     for (int id = first; id <= last; ++id) {
       if (id == 22) battery = size;
       list.push_back(static_cast<std::uint8_t>(id));
-      size += oi::packet_size(static_cast<std::uint8_t>(id));
+      size += oi::kCreate.packet_size(static_cast<std::uint8_t>(id));
     }
     Bytes whole = ask({142, static_cast<std::uint8_t>(group)}, size);
     Bytes singly = ask(list, size);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "oi/dialect.hpp"
+
 namespace cargobay::conformance {
 
 std::unique_ptr<hal::ByteStream> port;
-std::uint32_t boot_baud = oi::kDefaultBaud;
+std::uint32_t boot_baud = oi::kCreate.default_baud;
 
 namespace {
 

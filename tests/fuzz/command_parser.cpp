@@ -9,6 +9,7 @@
 #include <span>
 
 #include "oi/command.hpp"
+#include "oi/dialect.hpp"
 #include "oi/parse.hpp"
 
 namespace {
@@ -32,7 +33,9 @@ void check_command(std::span<const std::uint8_t> bytes) {
       require(result.error.argument != nullptr &&
               !result.error.argument->accepts(result.error.value));
       break;
-    case ParseResult::Outcome::unknown_opcode: require(find_command(bytes[0]) == nullptr); break;
+    case ParseResult::Outcome::unknown_opcode:
+      require(kCreate.find_command(bytes[0]) == nullptr);
+      break;
     case ParseResult::Outcome::incomplete: std::abort();
   }
 }

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "oi/dialect.hpp"
 #include "oi/frame.hpp"
 #include "oi/sensors.hpp"
 
@@ -29,8 +30,8 @@ struct Span {
 
 class Line {
  public:
-  Line(std::span<const std::uint8_t> bytes, Checksum form, Extensions extensions)
-      : bytes_{bytes}, form_{form}, extensions_{extensions}, decoder_{form, extensions} {}
+  Line(std::span<const std::uint8_t> bytes, Checksum form, const Dialect& dialect)
+      : bytes_{bytes}, form_{form}, dialect_{dialect}, decoder_{form, dialect} {}
 
   void run() {
     for (std::size_t i = 0; i < bytes_.size(); ++i) {
@@ -59,17 +60,17 @@ class Line {
     require(frame.size() >= kMinFrameBytes && frame.size() <= kMaxFrameBytes &&
             end <= bytes_.size());
     require(std::ranges::equal(frame, bytes_.subspan(end - frame.size(), frame.size())));
-    require(is_well_formed(frame, item_sizes(extensions_)));
+    require(is_well_formed(frame, dialect_.item_sizes));
     require(checksum_matches(frame, form_));
     require(published_.empty() || published_.back().end <= end - frame.size());
     SensorValues values;
-    require(decode_frame(frame, values, extensions_));
+    require(decode_frame(frame, values, dialect_));
     published_.push_back({end - frame.size(), end});
   }
 
   bool is_frame(std::size_t begin, std::size_t end) const {
     const auto bytes = bytes_.subspan(begin, end - begin);
-    return is_well_formed(bytes, item_sizes(extensions_)) && checksum_matches(bytes, form_);
+    return is_well_formed(bytes, dialect_.item_sizes) && checksum_matches(bytes, form_);
   }
   // The beginnings of frames that end there.
   std::vector<std::size_t> frames_that_end(std::size_t end) const {
@@ -96,7 +97,7 @@ class Line {
 
   std::span<const std::uint8_t> bytes_;
   Checksum form_;
-  Extensions extensions_;
+  const Dialect& dialect_;
   StreamDecoder decoder_;
   std::vector<Span> published_;
 };
@@ -106,7 +107,7 @@ class Line {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto form = static_cast<Checksum>(data[0] % 3);
-  const auto extensions = (data[0] & 4U) == 0 ? Extensions::off : Extensions::on;
-  Line{{data + 1, size - 1}, form, extensions}.run();
+  const Dialect& dialect = (data[0] & 4U) == 0 ? kCreate : kCreateWithExtensions;
+  Line{{data + 1, size - 1}, form, dialect}.run();
   return 0;
 }

@@ -14,7 +14,7 @@
 
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/remote/control.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace {
 
@@ -85,7 +85,7 @@ class Schedule {
     } else if (choice < 208) {
       link_.advance(std::chrono::milliseconds{100} * (choice - 191));
     } else if (choice < 220) {
-      (void)link_.set_baud(oi::kBaudRates[static_cast<std::size_t>(choice - 208)]);
+      (void)link_.set_baud(oi::kCreate.baud_rates[static_cast<std::size_t>(choice - 208)]);
     } else if (choice == 220) {
       (void)link_.set_baud(1U + take());
     } else {
@@ -116,7 +116,7 @@ class Schedule {
     require(control("fault none", link_.cable()) == "ok");
     if (device_.power() == Power::off) device_.press_power();
     device_.brown_out();  // what waits to be sent is forgotten too
-    (void)link_.set_baud(oi::kDefaultBaud);
+    (void)link_.set_baud(oi::kCreate.default_baud);
     link_.advance(std::chrono::seconds{4});
     link_.discard_input();
     const std::array<std::uint8_t, 1> start{128};
@@ -143,7 +143,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   Parameters parameters;
   parameters.remainder = (data[0] & 1U) != 0 ? Remainder::lost : Remainder::carried;
-  parameters.extensions = (data[0] & 2U) != 0 ? oi::Extensions::on : oi::Extensions::off;
+  parameters.dialect = (data[0] & 2U) != 0 ? &oi::kCreateWithExtensions : &oi::kCreate;
   parameters.power_on = (data[0] & 4U) != 0 ? PowerOn::now : PowerOn::long_ago;
   Schedule{parameters, {data + 1, size - 1}}.run();
   return 0;

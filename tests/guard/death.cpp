@@ -18,7 +18,7 @@
 
 #include "hal/port/pty_transport.hpp"
 #include "hal/robot/robot.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::test {
@@ -241,7 +241,7 @@ rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double 
 int be_victim(Way way, const std::string& path, int frames, rt::Duration deadline) {
   const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};  // a dump takes time, and the deadline
   (void)setrlimit(RLIMIT_CORE, &no_core);
-  auto stream = hal::open_pty(path, oi::kDefaultBaud);
+  auto stream = hal::open_pty(path, oi::kCreate.default_baud);
   if (!stream) {
     std::fprintf(stderr, "%s\n", stream.failure().message.c_str());
     return 1;

@@ -21,8 +21,8 @@
 #include <thread>
 #include <vector>
 
-#include "oi/baud.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 #include "rt/histogram.hpp"
 #include "tests/guard/death.hpp"
@@ -136,7 +136,8 @@ int run(const std::vector<std::string>& words) {
   const auto plan = parse(words);
   if (!plan) return usage();
   prctl(PR_SET_CHILD_SUBREAPER, 1);
-  const double wire_ms = 1e3 * rt::seconds(oi::wire_time(oi::kDriveDirectBytes, oi::kDefaultBaud));
+  const double wire_ms =
+      1e3 * rt::seconds(oi::wire_time(oi::kDriveDirectBytes, oi::kCreate.default_baud));
   std::printf("from death to the stop's last byte, of which the wire takes %.2f ms\n\n", wire_ms);
   std::printf(
       "| death   | robots | stopped | p50, ms  | p99, ms  | max, ms  "

@@ -10,6 +10,8 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording.hpp"
 #include "hal/recording/recording_stream.hpp"
@@ -30,8 +32,8 @@ class RecordedDrive {
   // Drives for `frames` frames, to and fro.
   void run(int frames) {
     frames_left_ = frames;
-    EXPECT_TRUE(bring_up(line, {.packets = kReadingList}));
-    EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
+    EXPECT_TRUE(bring_up(line, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+    EXPECT_FALSE(link.set_wake_threshold(oi::kCreate.frame_bytes));
     RecordingStream recorded{line, recorder};
     const auto cycle = std::make_unique<ControlCycle>(recorded, header.parameters);
     header.baud = link.baud();

@@ -17,11 +17,14 @@
 
 #include "hal/config/settings.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_outlets.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/guard/guard.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/robot/device.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "rt/realtime.hpp"
 
@@ -62,7 +65,7 @@ const sim::Parameters kSim{};
 std::vector<Setting> options() {
   const auto& loop = kCycle.loop;
   return {
-      {"baud", {}, oi::kDefaultBaud},
+      {"baud", {}, oi::kCreate.default_baud},
       {"priority", kPriority, rt::RealtimeRequest{}.priority},
       {"cpu", kCpu, {}},
       {"setpoint_lapse_ms", kSetpointLapseMs, count<std::milli>(kCycle.setpoint_lapse)},
@@ -100,7 +103,7 @@ std::vector<Setting> file_keys() {
     return kNot.contains(key.name);
   });
   keys.push_back({"lag_s", kLagS, kCycle.loop.estimator.lag_s});
-  const auto [slowest, fastest] = std::ranges::minmax(oi::kBaudRates);
+  const auto [slowest, fastest] = std::ranges::minmax(oi::kCreate.baud_rates);
   keys.front().range = Range{static_cast<double>(slowest), static_cast<double>(fastest)};
   return keys;
 }
@@ -207,7 +210,7 @@ TEST(StatedValues, OfTheSentencesOfTheHeader) {
       "beside it: " + std::to_string(spare) + " bytes at 57600 baud, " +
           std::to_string(spare_when_slow) + " at 19200",
       "over " + number(count<std::milli>(kCycle.late_margin)) + " ms behind its time",
-      "@param wheel_base_mm " + number(oi::kWheelBaseMm) + " for the Create",
+      "@param wheel_base_mm " + number(oi::kCreate.wheel_base_mm) + " for the Create",
       "of the robot, " + number(count<std::milli>(oi::kTick)) + " ms each",
   };
   EXPECT_EQ(kCycle.setpoint_lapse, std::chrono::milliseconds{500}) << "half a second";

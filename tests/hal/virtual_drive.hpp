@@ -9,7 +9,11 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
+#include "hal/cycle/request.hpp"
 #include "hal/guard/farewell.hpp"
+#include "hal/sensing/sensor_board.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/robot/device.hpp"
 #include "oi/stream_budget.hpp"
@@ -58,12 +62,15 @@ class VirtualDrive {
                   ControlCycle::Parameters parameters = {}) {
     target_ = std::move(target);
     frames_left_ = frames;
-    const auto report = bring_up(line, {.mode = parameters.drive_mode, .packets = kReadingList});
+    const oi::Dialect& dialect = *parameters.dialect;
+    const auto report = bring_up(line, {.dialect = &dialect,
+                                        .mode = parameters.drive_mode,
+                                        .packets = dialect.list(FrameList::reading)});
     result_.brought_up = static_cast<bool>(report);
     if (!report) return result_;
     parameters.loop.estimator.input_delay_s =
-        rt::seconds(oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, link.baud()));
-    EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
+        rt::seconds(oi::wire_time(dialect.frame_bytes + oi::kDriveDirectBytes, link.baud()));
+    EXPECT_FALSE(link.set_wake_threshold(dialect.frame_bytes));
     const auto cycle = std::make_unique<ControlCycle>(line, parameters);
     cycle_ = cycle.get();
     cycle_->set_control({.function = &VirtualDrive::control_of, .context = this});

@@ -21,6 +21,8 @@
 #include <vector>
 
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/port/pty_transport.hpp"
 #include "hal/stream/byte_stream.hpp"
 #include "hal/stream/forwarding_stream.hpp"
@@ -149,7 +151,7 @@ void on_pty(void (*part)(hal::ByteStream&, std::size_t), MemoryStream& robot, st
     std::fprintf(stderr, "%s\n", port.failure().message.c_str());
     std::abort();
   }
-  (void)(*port)->set_wake_threshold(hal::kFrameBytes);
+  (void)(*port)->set_wake_threshold(oi::kCreate.frame_bytes);
   PtyOnRobotTime stream{**port, robot};
   std::thread server{serve, master, std::ref(robot)};
   part(stream, frames);

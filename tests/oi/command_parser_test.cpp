@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "oi/parse.hpp"
 #include "tests/oi/feed.hpp"
 
@@ -26,7 +27,7 @@ TEST(CommandParser, AnswersForAllOpcodes) {
   for (unsigned opcode = 0; opcode < 256; ++opcode) {
     CommandParser parser;
     const Outcome outcome = parser.push(static_cast<std::uint8_t>(opcode));
-    const CommandInfo* info = find_command(static_cast<std::uint8_t>(opcode));
+    const CommandInfo* info = kCreate.find_command(static_cast<std::uint8_t>(opcode));
     if (info == nullptr) {
       EXPECT_EQ(outcome, Outcome::unknown_opcode) << opcode;
       EXPECT_EQ(parser.needed(), 0U);

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "oi/baud.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/sensors.hpp"
 #include "oi/text/argument_names.hpp"
@@ -76,7 +76,7 @@ TEST(ManualTables, Commands) {  // OI p. 7 to 16, 22
   };
   ASSERT_EQ(rows.size(), kCommands.size());
   for (const Row& row : rows) {
-    const CommandInfo* info = find_command(row.opcode);
+    const CommandInfo* info = kCreate.find_command(row.opcode);
     ASSERT_NE(info, nullptr) << int{row.opcode};
     EXPECT_EQ(info->name, row.name);
     expect_ranges(info->arguments(), row.arguments, row.opcode);
@@ -85,7 +85,7 @@ TEST(ManualTables, Commands) {  // OI p. 7 to 16, 22
 }
 
 TEST(ManualTables, Demos) {  // OI p. 8
-  const ArgumentInfo& demo = find_command(136)->argument_slots[0];
+  const ArgumentInfo& demo = kCreate.find_command(136)->argument_slots[0];
   constexpr std::array<std::string_view, 11> kNames{
       "abort", "cover", "cover_and_dock", "spot_cover", "mouse", "drive_figure_eight", "wimp",
       "home",  "tag",   "pachelbel",      "banjo"};
@@ -96,7 +96,7 @@ TEST(ManualTables, Demos) {  // OI p. 8
 
 TEST(ManualTables, Bits) {  // OI p. 9, 10
   const auto name = [](std::uint8_t opcode, std::int32_t bit) {
-    return value_name(find_command(opcode)->argument_slots[0], bit);
+    return value_name(kCreate.find_command(opcode)->argument_slots[0], bit);
   };
   EXPECT_EQ(name(139, 0b0010), "play");
   EXPECT_EQ(name(139, 0b1000), "advance");
@@ -152,7 +152,7 @@ TEST(ManualTables, Events) {  // OI p. 16
                                        {"digital_input_2", 20, 236},
                                        {"digital_input_3", 21, 235},
                                        {"mode_passive", 22, 234}}};
-  const ArgumentInfo& event = find_command(158)->argument_slots[0];
+  const ArgumentInfo& event = kCreate.find_command(158)->argument_slots[0];
   for (const Row& row : kRows) {
     EXPECT_EQ(named_value(event, row.name), row.number);
     const auto inverse = named_value(event, "no_" + std::string{row.name});

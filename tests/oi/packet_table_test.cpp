@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "oi/text/packet_name.hpp"
 
 namespace cargobay::oi {
@@ -12,19 +13,19 @@ namespace {
 
 TEST(PacketTable, AnswersForAllIds) {
   for (unsigned id = 0; id < 256; ++id) {
-    const PacketInfo* info = find_packet(static_cast<std::uint8_t>(id));
+    const PacketInfo* info = kCreate.find_packet(static_cast<std::uint8_t>(id));
     if (id > 42) {
       EXPECT_EQ(info, nullptr) << id;
-      EXPECT_EQ(packet_size(static_cast<std::uint8_t>(id)), 0U);
-      EXPECT_EQ(find_packet(std::to_string(id)), std::nullopt);
+      EXPECT_EQ(kCreate.packet_size(static_cast<std::uint8_t>(id)), 0U);
+      EXPECT_EQ(packet_named(std::to_string(id)), std::nullopt);
       continue;
     }
     ASSERT_NE(info, nullptr) << id;
     EXPECT_EQ(info->id, id);
     EXPECT_EQ(info->is_group(), id < 7);
-    EXPECT_EQ(find_packet(std::to_string(id)), id);
-    EXPECT_EQ(find_packet(info->key), id);
-    EXPECT_EQ(packet_size(static_cast<std::uint8_t>(id)), info->size);
+    EXPECT_EQ(packet_named(std::to_string(id)), id);
+    EXPECT_EQ(packet_named(info->key), id);
+    EXPECT_EQ(kCreate.packet_size(static_cast<std::uint8_t>(id)), info->size);
   }
 }
 
@@ -66,7 +67,7 @@ TEST(PacketTable, RangesFitTheirBytes) {
 TEST(PacketTable, FindsNothingByOtherNames) {
   for (const char* text :
        {"", " ", "Wall", "wall ", "43", "-1", "+7", "0x", "7.", "256", "99999999999"}) {
-    EXPECT_EQ(find_packet(text), std::nullopt) << text;
+    EXPECT_EQ(packet_named(text), std::nullopt) << text;
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "tests/oi/feed.hpp"
 
 namespace cargobay::oi {
@@ -33,7 +34,7 @@ Outcome check(const Bytes& bytes) {
       EXPECT_EQ(result.length, 0U);
       break;
     case Outcome::unknown_opcode:
-      EXPECT_EQ(find_command(bytes[0]), nullptr);
+      EXPECT_EQ(kCreate.find_command(bytes[0]), nullptr);
       EXPECT_EQ(result.length, 1U);
       break;
     case Outcome::out_of_range:
@@ -51,7 +52,7 @@ TEST(ParseCommand, AnswersForAllOpcodes) {
   for (unsigned opcode = 0; opcode < 256; ++opcode) {
     const auto byte = static_cast<std::uint8_t>(opcode);
     const ParseResult result = parse_command(Bytes{byte});
-    EXPECT_EQ(result.info, find_command(byte));
+    EXPECT_EQ(result.info, kCreate.find_command(byte));
     if (result.info == nullptr) {
       EXPECT_EQ(result.outcome, Outcome::unknown_opcode);
     } else if (result.info->argument_bytes() == 0) {
@@ -124,7 +125,7 @@ TEST(ParseCommand, SaysHowManyBytesATruncatedCommandNeeds) {
   for (const Bytes& whole :
        {Bytes{137, 255, 56, 1, 244}, Bytes{149, 2, 9, 13}, Bytes{139, 8, 0, 128},
         Bytes{140, 0, 2, 60, 32, 64, 32}, Bytes{152, 3, 155, 10, 153}}) {
-    const CommandInfo& info = *find_command(whole[0]);
+    const CommandInfo& info = *kCreate.find_command(whole[0]);
     for (std::size_t size = 1; size < whole.size(); ++size) {
       const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
       const ParseResult result = parse_command(part);

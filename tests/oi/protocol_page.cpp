@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "oi/baud.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/extensions.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/sensors.hpp"
@@ -274,7 +274,7 @@ void add_commands(Page& page) {
 // The names of the values of one argument of a command.
 void add_value_names(Page& page, std::string_view title, std::uint8_t opcode) {
   page << "\n| " << title << " | name |\n|---|---|\n";
-  for (const ValueName& name : value_names(find_command(opcode)->argument_slots[0])) {
+  for (const ValueName& name : value_names(kCreate.find_command(opcode)->argument_slots[0])) {
     if (name.value > 0 || opcode != 158)
       page << "| " << name.value << " | `" << name.name << "` |\n";
   }
@@ -358,7 +358,7 @@ void add_extensions(Page& page) {
        << "| opcode " << kFirmwareDateOpcode << " | answers with "
        << static_cast<std::int64_t>(kFirmwareDateBytes)
        << " bytes: 18, year, month, day, hour, minute, and their exclusive or; one source |\n";
-  for (const PacketInfo& info : kExtensionPackets) {
+  for (const PacketInfo& info : std::span{kPacketsWithRawCounts}.subspan(kPacketCount)) {
     page << "| packet " << info.id << " | `" << info.key << "`: " << info.size
          << " bytes, counts up in both directions and wraps; 7.8324 counts a mm; firmware of "
             "2007-09-24, Query List only; one source |\n";

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "oi/text/script_text.hpp"
 
 namespace cargobay::oi {
@@ -100,8 +101,8 @@ TEST(ScriptBuilder, SaysWhichNumberOfWhichCommandIsOutOfRange) {
   ASSERT_TRUE(script.error());
   EXPECT_EQ(script.error()->what, What::out_of_range);
   EXPECT_EQ(script.error()->index, 1U);
-  EXPECT_EQ(script.error()->command, find_command("drive"));
-  EXPECT_EQ(script.error()->argument, &find_command("drive")->argument_slots[0]);
+  EXPECT_EQ(script.error()->command, kCreate.find_command("drive"));
+  EXPECT_EQ(script.error()->argument, &kCreate.find_command("drive")->argument_slots[0]);
   EXPECT_EQ(script.error()->value, -501);
   EXPECT_EQ(complaint(script),
             "command 2, drive: velocity -501 is out of range; it is -500 to 500 mm/s");

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "tests/oi/feed.hpp"
 
@@ -19,7 +20,7 @@ TEST(DecodePacket, AnswersForAllIds) {
     const auto byte = static_cast<std::uint8_t>(id);
     for (std::size_t size = 0; size <= 53; ++size) {
       SensorValues values;
-      const bool right = id < kPacketCount && size == packet_size(byte);
+      const bool right = id < kPacketCount && size == kCreate.packet_size(byte);
       EXPECT_EQ(decode_packet(byte, Bytes(size, 1), values), right) << id << " " << size;
       for (std::uint8_t single = kFirstSinglePacket; single <= kLastPacket; ++single) {
         const bool within =
@@ -34,8 +35,8 @@ TEST(EncodePacket, AnswersForAllIds) {
   for (unsigned id = 0; id < 256; ++id) {
     const auto byte = static_cast<std::uint8_t>(id);
     std::array<std::uint8_t, 60> out{};
-    EXPECT_EQ(encode_packet(byte, SensorValues{}, out), packet_size(byte));
-    const std::size_t size = packet_size(byte);
+    EXPECT_EQ(encode_packet(byte, SensorValues{}, out), kCreate.packet_size(byte));
+    const std::size_t size = kCreate.packet_size(byte);
     if (size == 0) continue;
     EXPECT_EQ(encode_packet(byte, SensorValues{}, std::span{out}.first(size - 1)), 0U);
   }
@@ -68,16 +69,17 @@ TEST(DecodePacket, ReadsGroupsInTheOrderOfTheirMembers) {
   std::mt19937 random{1};
   for (std::uint8_t group = 0; group < kFirstSinglePacket; ++group) {
     for (int round = 0; round < 1000; ++round) {
-      Bytes data(packet_size(group));
+      Bytes data(kCreate.packet_size(group));
       for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random());
       SensorValues values;
       ASSERT_TRUE(decode_packet(group, data, values));
       std::size_t at = 0;
       for (std::uint8_t id = kPackets[group].first; id <= kPackets[group].last; ++id) {
         SensorValues single;
-        ASSERT_TRUE(decode_packet(id, std::span{data}.subspan(at, packet_size(id)), single));
+        ASSERT_TRUE(
+            decode_packet(id, std::span{data}.subspan(at, kCreate.packet_size(id)), single));
         ASSERT_EQ(values.raw(PacketId{id}), single.raw(PacketId{id}));
-        at += packet_size(id);
+        at += kCreate.packet_size(id);
       }
       std::array<std::uint8_t, 52> back{};
       ASSERT_EQ(encode_packet(group, values, back), data.size());
@@ -88,7 +90,7 @@ TEST(DecodePacket, ReadsGroupsInTheOrderOfTheirMembers) {
 
 TEST(SensorValues, VisitsWhatWasSetInRisingOrder) {
   SensorValues values;
-  values.set(PacketId{kLastExtensionPacket}, 7);
+  values.set(kRawRightCount, 7);
   values.set(PacketId::angle, -3);
   values.set(PacketId::bumps_and_wheel_drops, 0);
   std::vector<std::pair<int, std::int32_t>> seen;
@@ -96,7 +98,7 @@ TEST(SensorValues, VisitsWhatWasSetInRisingOrder) {
     seen.emplace_back(static_cast<int>(packet), value);
   };
   values.visit(see);
-  const decltype(seen) set{{7, 0}, {20, -3}, {kLastExtensionPacket, 7}};
+  const decltype(seen) set{{7, 0}, {20, -3}, {44, 7}};
   EXPECT_EQ(seen, set);
   values.clear();
   values.visit(see);
@@ -234,13 +236,13 @@ TEST(Extensions, AreDecodedOnlyWhenAskedFor) {
   SensorValues values;
   const Bytes data{1, 2};
   EXPECT_FALSE(decode_packet(43, data, values));
-  EXPECT_TRUE(decode_packet(43, data, values, Extensions::on));
-  EXPECT_FALSE(decode_packet(45, data, values, Extensions::on));
+  EXPECT_TRUE(decode_packet(43, data, values, kCreateWithExtensions));
+  EXPECT_FALSE(decode_packet(45, data, values, kCreateWithExtensions));
   EXPECT_EQ(values.raw(kRawLeftCount), 258);
   EXPECT_EQ(raw_count_difference(65530, 4), 10);
-  EXPECT_EQ(find_packet(44, Extensions::on)->key, "raw_right_count");
-  EXPECT_EQ(find_packet(44, Extensions::off), nullptr);
-  EXPECT_EQ(find_packet(42, Extensions::off), find_packet(42));
+  EXPECT_EQ(kCreateWithExtensions.find_packet(44)->key, "raw_right_count");
+  EXPECT_EQ(kCreate.find_packet(44), nullptr);
+  EXPECT_EQ(kCreate.find_packet(42), kCreate.find_packet(42));
 }
 
 TEST(Extensions, KnowTheAnswerWithTheFirmwareDate) {

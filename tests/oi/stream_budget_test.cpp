@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::oi {
 namespace {
@@ -33,7 +33,7 @@ TEST(StreamBudget, KnowsTheBytesOfAFrame) {
   EXPECT_EQ(frame_bytes(std::array{group_6}), 56U);
   EXPECT_EQ(frame_bytes(std::array{cliff_front_left_signal, virtual_wall}), 8U);
   EXPECT_EQ(frame_bytes({}), 0U);
-  EXPECT_EQ(frame_bytes(std::array{kRawLeftCount}, Extensions::on), 6U);
+  EXPECT_EQ(frame_bytes(std::array{kRawLeftCount}, kCreateWithExtensions), 6U);
 }
 
 TEST(StreamBudget, FitsUpToTheLastByte) {
@@ -78,12 +78,12 @@ TEST(StreamBudget, KnowsWhenAPl011SaysNothing) {
 }
 
 TEST(Baud, HasTheCodesOfTheManual) {  // OI p. 7
-  EXPECT_EQ(baud_code(300), 0);
-  EXPECT_EQ(baud_code(19200), 7);
-  EXPECT_EQ(baud_code(57600), 10);
-  EXPECT_EQ(baud_code(115200), 11);
-  EXPECT_EQ(baud_code(56000), std::nullopt);
-  EXPECT_EQ(baud_code(0), std::nullopt);
+  EXPECT_EQ(kCreate.baud_code(300), 0);
+  EXPECT_EQ(kCreate.baud_code(19200), 7);
+  EXPECT_EQ(kCreate.baud_code(57600), 10);
+  EXPECT_EQ(kCreate.baud_code(115200), 11);
+  EXPECT_EQ(kCreate.baud_code(56000), std::nullopt);
+  EXPECT_EQ(kCreate.baud_code(0), std::nullopt);
 }
 
 }  // namespace

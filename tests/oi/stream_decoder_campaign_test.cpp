@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 #include "oi/stream_decoder.hpp"
 #include "tests/oi/feed.hpp"
@@ -68,7 +69,8 @@ Bytes random_frame(const std::vector<PacketId>& packets, Checksum form, Random& 
   Bytes items;
   for (const PacketId packet : packets) {
     items.push_back(static_cast<std::uint8_t>(packet));
-    for (std::size_t i = packet_size(items.back()); i > 0; --i) items.push_back(random.byte());
+    for (std::size_t i = kCreate.packet_size(items.back()); i > 0; --i)
+      items.push_back(random.byte());
   }
   return frame_around(items, form);
 }

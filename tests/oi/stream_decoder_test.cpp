@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "oi/sensors.hpp"
 #include "tests/oi/feed.hpp"
 
@@ -245,7 +246,7 @@ TEST(StreamDecoder, KnowsThePacketsOutsideTheManualOnlyWhenAsked) {
   const Bytes frame = frame_around({43, 1, 2, 44, 3, 4});
   StreamDecoder plain;
   EXPECT_THAT(feed(plain, frame), IsEmpty());
-  StreamDecoder extended{Checksum::automatic, Extensions::on};
+  StreamDecoder extended{Checksum::automatic, kCreateWithExtensions};
   EXPECT_THAT(feed(extended, frame), ElementsAre(frame));
   extended.reset();
   EXPECT_THAT(feed(extended, frame), ElementsAre(frame));

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/random.hpp"
-#include "oi/baud.hpp"
 #include "oi/checksum.hpp"
+#include "oi/dialect.hpp"
 #include "tests/pty/serial_client.hpp"
 
 namespace cargobay::hal::sim {
@@ -130,8 +130,9 @@ TEST(Server, FollowsAClientThatChangesTheRateAtOnce) {
   EXPECT_EQ(client.ask({128, 142, 35}, 1), (Bytes{1}));
   for (const std::uint8_t code : Bytes{7, 9, 6, 8, 10, 11}) {
     ASSERT_TRUE(client.send({129, code}));
-    ASSERT_TRUE(client.set_baud(oi::kBaudRates[code]));
-    ASSERT_TRUE(eventually([&] { return server->snapshot().baud == oi::kBaudRates[code]; }));
+    ASSERT_TRUE(client.set_baud(oi::kCreate.baud_rates[code]));
+    ASSERT_TRUE(
+        eventually([&] { return server->snapshot().baud == oi::kCreate.baud_rates[code]; }));
     const rt::Duration changed = server->snapshot().time;
     ASSERT_TRUE(eventually(
         [&] { return server->snapshot().time > changed + std::chrono::milliseconds{120}; }));
@@ -140,7 +141,7 @@ TEST(Server, FollowsAClientThatChangesTheRateAtOnce) {
         server->snapshot().time;  // at 115200 the next has to keep its distance
     ASSERT_TRUE(
         eventually([&] { return server->snapshot().time > sent + std::chrono::milliseconds{2}; }));
-    EXPECT_EQ(client.ask({35}, 1), (Bytes{1})) << oi::kBaudRates[code];
+    EXPECT_EQ(client.ask({35}, 1), (Bytes{1})) << oi::kCreate.baud_rates[code];
   }
 }
 
@@ -226,9 +227,9 @@ TEST(Server, ServesOnAfterAnyClientsWhatever) {
   ASSERT_TRUE(server);
   Random random{2};
   for (int i = 0; i < 60; ++i) {
-    const std::uint32_t rates = static_cast<std::uint32_t>(oi::kBaudRates.size());
+    const std::uint32_t rates = static_cast<std::uint32_t>(oi::kCreate.baud_rates.size());
     const std::uint32_t rate = i % 5 == 4 ? 1U + static_cast<std::uint32_t>(random.below(100'000))
-                                          : oi::kBaudRates[random.below(rates)];
+                                          : oi::kCreate.baud_rates[random.below(rates)];
     const SerialClient client{server->path(), rate};
     ASSERT_TRUE(client.is_open());
     Bytes noise(random.below(400));

@@ -11,7 +11,7 @@
 
 #include "hal/port/pty_transport.hpp"
 #include "hal/sim/line/pty_port.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "tests/pty/serial_client.hpp"
 
 namespace cargobay::hal {
@@ -65,7 +65,7 @@ TEST(TtySpeed, IsSeenAtBothEndsByItsConstant) {
   const auto port = port_at(57600);
   ASSERT_TRUE(port);
   const SerialClient client{port->path()};
-  for (const std::uint32_t baud : oi::kBaudRates) {
+  for (const std::uint32_t baud : oi::kCreate.baud_rates) {
     ASSERT_TRUE(client.set_baud(baud));
     expect_rate(port->descriptor(), baud);
     expect_rate(client.descriptor(), baud);
@@ -73,7 +73,7 @@ TEST(TtySpeed, IsSeenAtBothEndsByItsConstant) {
 }
 
 TEST(TtySpeed, IsSeenByItsConstantWhoeverOpensThePort) {
-  for (const std::uint32_t baud : oi::kBaudRates) {
+  for (const std::uint32_t baud : oi::kCreate.baud_rates) {
     const auto port = port_at(57600);
     ASSERT_TRUE(port);
     const auto stream = open_pty(port->path(), baud);
@@ -85,7 +85,7 @@ TEST(TtySpeed, IsSeenByItsConstantWhoeverOpensThePort) {
 }
 
 TEST(TtySpeed, OfAVirtualCreateIsSeenByItsConstant) {
-  for (const std::uint32_t baud : oi::kBaudRates) {
+  for (const std::uint32_t baud : oi::kCreate.baud_rates) {
     const auto port = port_at(baud);
     ASSERT_TRUE(port);
     expect_rate(port->descriptor(), baud);

@@ -18,6 +18,8 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/port/pty_transport.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_stream.hpp"
@@ -105,8 +107,8 @@ Calls run_in_virtual_time(sim::Remainder remainder, std::int64_t frames, void (*
   sim::Device device{sim::Parameters{.remainder = remainder}};
   sim::VirtualLink virtual_link{device};
   UncountedLink link{virtual_link};
-  EXPECT_TRUE(bring_up(link, {.packets = kReadingList}));
-  EXPECT_FALSE(link.set_wake_threshold(kFrameBytes));
+  EXPECT_TRUE(bring_up(link, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+  EXPECT_FALSE(link.set_wake_threshold(oi::kCreate.frame_bytes));
   // With its flight recorder, as for every robot.
   FlightRecorder recorder;
   RecordingStream recorded{link, recorder};

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "hal/cli/terminal/print.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -70,12 +70,12 @@ hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions
   auto config = hal::load_config(port.config_file);
   if (!config) return config;
   if (port.port) config->port = *port.port;
-  config->baud = port.baud ? *port.baud : config->baud.value_or(oi::kDefaultBaud);
+  config->baud = port.baud ? *port.baud : config->baud.value_or(oi::kCreate.default_baud);
   lay_over(pins, config->pins);
-  if (!oi::baud_code(*config->baud)) {
+  if (!oi::kCreate.baud_code(*config->baud)) {
     return hal::Failure{
         fmt::format("the robot does not support {} baud; choose 57600 or another of {}",
-                    *config->baud, fmt::join(oi::kBaudRates, ", "))};
+                    *config->baud, fmt::join(oi::kCreate.baud_rates, ", "))};
   }
   return config;
 }

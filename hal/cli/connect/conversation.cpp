@@ -8,6 +8,7 @@
 
 #include "hal/cli/terminal/sensor_format.hpp"
 #include "hal/stream/spaced_stream.hpp"
+#include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/stream_budget.hpp"
 
@@ -98,12 +99,12 @@ void Conversation::print_frame(std::span<const std::uint8_t> frame) const {
   oi::SensorValues values;
   if (!oi::decode_frame(frame, values)) return;
   std::vector<oi::PacketId> packets;
-  for (std::size_t at = 2; at + 1 < frame.size(); at += 1 + oi::packet_size(frame[at]))
+  for (std::size_t at = 2; at + 1 < frame.size(); at += 1 + oi::kCreate.packet_size(frame[at]))
     packets.push_back(static_cast<oi::PacketId>(frame[at]));
   std::string line;
   for (const oi::PacketId packet : singles(packets)) {
     if (!line.empty()) line += ", ";
-    line += fmt::format("{} {}", oi::packet(packet).key, text(packet, values));
+    line += fmt::format("{} {}", oi::kCreate.packet(packet).key, text(packet, values));
   }
   fmt::print("{}\n", line);
 }

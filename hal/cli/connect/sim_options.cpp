@@ -4,6 +4,7 @@
 
 #include "hal/cli/terminal/in_range.hpp"
 #include "hal/config/settings.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -95,7 +96,7 @@ hal::sim::Parameters parameters(const SimOptions& options) {
       options.remainder == "lost" ? hal::sim::Remainder::lost : hal::sim::Remainder::carried;
   parameters.checksum = options.checksum == "excluding" ? oi::Checksum::excluding_header
                                                         : oi::Checksum::including_header;
-  parameters.extensions = options.extensions ? oi::Extensions::on : oi::Extensions::off;
+  parameters.dialect = options.extensions ? &oi::kCreateWithExtensions : &oi::kCreate;
   if (options.power_on == "now") parameters.power_on = hal::sim::PowerOn::now;
   if (options.power_on == "never") parameters.power_on = hal::sim::PowerOn::never;
   parameters.charging_text = !options.no_charging_text;

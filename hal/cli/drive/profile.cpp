@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "hal/file/read_input.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::cli {
@@ -19,7 +20,7 @@ using Piece = Profile::Piece;
 
 constexpr double kSquareSideMm = 500.0;
 // For each wheel: turning in place by a right angle.
-constexpr double kQuarterTurnMm = oi::kWheelBaseMm * std::numbers::pi / 4.0;
+constexpr double kQuarterTurnMm = oi::kCreate.wheel_base_mm * std::numbers::pi / 4.0;
 
 rt::WheelSpeeds both(double speed_mm_s) { return {speed_mm_s, speed_mm_s}; }
 

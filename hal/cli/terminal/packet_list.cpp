@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "oi/dialect.hpp"
 #include "oi/text/packet_name.hpp"
 
 namespace cargobay::cli {
@@ -14,7 +15,7 @@ hal::Result<std::vector<oi::PacketId>> read_packet_list(const std::string& text)
   std::istringstream words{text};
   std::string word;
   while (std::getline(words, word, ',')) {
-    const std::optional<std::uint8_t> id = oi::find_packet(word);
+    const std::optional<std::uint8_t> id = oi::packet_named(word);
     if (!id.has_value()) {
       return hal::Failure{
           fmt::format("'{}' is not a packet; write numbers from 0 to 42 or names such as distance, "

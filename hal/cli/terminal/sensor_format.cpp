@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "oi/dialect.hpp"
+
 namespace cargobay::cli {
 namespace {
 
@@ -32,7 +34,7 @@ std::vector<std::string_view> bit_names(PacketId packet, std::int32_t raw) {
   return names;
 }
 
-const oi::PacketInfo& info(PacketId packet) { return oi::packet(packet); }
+const oi::PacketInfo& info(PacketId packet) { return oi::kCreate.packet(packet); }
 
 }  // namespace
 

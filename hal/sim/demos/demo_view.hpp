@@ -10,6 +10,7 @@
 
 #include "hal/sim/inputs.hpp"
 #include "hal/sim/wheels.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
 
@@ -33,7 +34,7 @@ constexpr WheelSpeeds turn_left(double mm_s) { return {-mm_s, mm_s}; }
 
 // Around a centre at that distance to the left, or to the right if it is negative.
 constexpr WheelSpeeds arc(double mm_s, double radius_mm) {
-  const double part = 0.5 * oi::kWheelBaseMm / radius_mm;
+  const double part = 0.5 * oi::kCreate.wheel_base_mm / radius_mm;
   return {mm_s * (1.0 - part), mm_s * (1.0 + part)};
 }
 

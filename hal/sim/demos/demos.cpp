@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal::sim {
@@ -120,7 +121,7 @@ Demos::Action Demos::spot(const View& view) {
   if (evade(view, action)) return action;
   const double growth = time_s < 30.0 ? time_s : 60.0 - time_s;
   const double radius_mm = 100.0 + 20.0 * growth;
-  const double ratio = 0.5 * oi::kWheelBaseMm / radius_mm;
+  const double ratio = 0.5 * oi::kCreate.wheel_base_mm / radius_mm;
   action.wheels = {0.6 * kSpeedMmPerSec * (1.0 - ratio), 0.6 * kSpeedMmPerSec * (1.0 + ratio)};
   return action;
 }

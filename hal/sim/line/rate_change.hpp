@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <span>
 
-#include "oi/baud.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::hal::sim {
@@ -19,7 +19,7 @@ namespace cargobay::hal::sim {
 // How many of the bytes were written before the port was set to `baud`: up to and including a Baud
 // command that asks for this rate; none if there is no such command.
 constexpr std::size_t sent_before_change(std::span<const std::uint8_t> bytes, std::uint32_t baud) {
-  const auto code = oi::baud_code(baud);
+  const auto code = oi::kCreate.baud_code(baud);
   if (!code) return 0;
   for (std::size_t end = bytes.size(); end >= 2; --end) {
     if (bytes[end - 2] == oi::Baud::kOpcode && bytes[end - 1] == *code) return end;

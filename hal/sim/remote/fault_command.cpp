@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "hal/sim/words.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -75,7 +75,7 @@ bool set_wrong_baud(std::string_view rest, Cable& cable) {
   const std::optional<int> baud = to_integer(next_word(rest), 0, kMostCount);
   if (!baud || !no_more_words(rest)) return false;
   const auto rate = static_cast<std::uint32_t>(*baud);
-  if (!oi::baud_code(rate)) return false;
+  if (!oi::kCreate.baud_code(rate)) return false;
   cable.device().set_baud(rate);
   return true;
 }

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -13,7 +13,7 @@ VirtualCreate::VirtualCreate(std::unique_ptr<Server> server)
 Result<std::unique_ptr<VirtualCreate>> VirtualCreate::start(Parameters robot,
                                                             std::uint32_t wanted_baud,
                                                             int priority) {
-  const bool wired = wanted_baud == oi::kBrcBaud;
+  const bool wired = wanted_baud == oi::kCreate.brc_baud;
   if (wired) robot.power_on = PowerOn::never;
   auto server = Server::open(robot, {.priority = priority});
   if (!server) return server.failure();

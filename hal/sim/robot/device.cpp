@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "oi/checksum.hpp"
-#include "oi/extensions.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal::sim {
@@ -29,7 +29,8 @@ Device::Device(const Parameters& parameters)
       serial_{.baud = parameters.boot_baud,
               .next_baud = parameters.boot_baud,
               .output = UartLine{std::max(parameters.transmit_bytes, kLongestPart)},
-              .input = RingBuffer<std::uint8_t>{kInputRoom}},
+              .input = RingBuffer<std::uint8_t>{kInputRoom},
+              .parser = oi::CommandParser{*parameters.dialect}},
       chassis_{.wheels = Wheels{parameters}, .odometer = Odometer{parameters}},
       battery_{parameters.battery},
       junk_{parameters.seed ^ kJunkSeed} {
@@ -168,7 +169,7 @@ void Device::tick_oi() {
 void Device::send_frame() {
   std::uint32_t size = 0;
   for (const std::uint8_t id : stream_.packets()) {
-    size += 1U + oi::find_packet(id, parameters_.extensions)->size;
+    size += 1U + parameters_.dialect->packet(oi::PacketId{id}).size;
   }
   send(oi::kFrameHeader);
   serial_.sent_sum = parameters_.checksum == oi::Checksum::excluding_header ? 0U : oi::kFrameHeader;

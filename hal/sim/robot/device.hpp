@@ -31,6 +31,7 @@
 #include "hal/sim/wheels.hpp"
 #include "oi/command_parser.hpp"
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/fixed_list.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/sensors.hpp"
@@ -212,7 +213,7 @@ class Device {
   // device_sensors.cpp
   std::int32_t read_sensor(std::uint8_t id);
   std::int32_t junk_or(std::int32_t reading);
-  static constexpr std::size_t kLongestPart = oi::packet_size(6);  // of a reply: group 6
+  static constexpr std::size_t kLongestPart = oi::kCreate.packet_size(6);  // of a reply: group 6
   void send(std::uint8_t byte);
   void reply();
   void send_packet(std::uint8_t id);
@@ -238,7 +239,7 @@ class Device {
     rt::Duration last_heard{rt::Duration::min()};
     std::uint32_t sent_sum = 0;  // of a frame's bytes, for its checksum
     bool garbling = false;
-    oi::CommandParser parser{};
+    oi::CommandParser parser;
   };
   struct Script {
     oi::FixedList<std::uint8_t, oi::kMaxScriptBytes> bytes{};

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "hal/sim/robot/device.hpp"
-#include "oi/baud.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 #include "oi/extensions.hpp"
 #include "oi/limits.hpp"
 #include "oi/parse.hpp"
@@ -55,7 +55,7 @@ void Device::interpret(std::uint8_t byte) {
 }
 
 void Device::extension(std::uint8_t opcode) {
-  if (parameters_.extensions == oi::Extensions::on) {
+  if (parameters_.dialect->has_undocumented_opcodes) {
     if (opcode == oi::kSoftResetOpcode) return reset();
     if (opcode == oi::kFirmwareDateOpcode) {
       reply_.begin_bytes(oi::firmware_date_answer(kFirmware));
@@ -82,11 +82,11 @@ void Device::execute(const oi::CommandInfo& info, std::span<const std::uint8_t> 
 }
 
 bool Device::within_manual(std::span<const std::uint8_t> bytes) const {
-  const oi::ParseResult parsed = oi::parse_command(bytes);
+  const oi::ParseResult parsed = oi::parse_command(bytes, *parameters_.dialect);
   if (parsed.outcome == oi::ParseResult::Outcome::command) return true;
   // An extension's packet, in a list or alone, is not a mistake of the host's.
   return parsed.error.argument != nullptr && parsed.error.argument->name == "packet" &&
-         oi::find_packet(low_byte(parsed.error.value), parameters_.extensions) != nullptr;
+         parameters_.dialect->find_packet(low_byte(parsed.error.value)) != nullptr;
 }
 
 void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
@@ -123,7 +123,7 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
       reply_.begin_packets(std::array{low_byte(arguments[0])});
       return reply();
     case oi::QueryList::kOpcode: reply_.begin_packets(tail); return reply();
-    case oi::Stream::kOpcode: return stream_.start(tail, parameters_.extensions);
+    case oi::Stream::kOpcode: return stream_.start(tail, *parameters_.dialect);
     case oi::PauseResumeStream::kOpcode:
       return arguments[0] == 0 ? stream_.pause() : stream_.resume();
     case oi::Script::kOpcode: return store_script(tail);
@@ -160,9 +160,9 @@ void Device::stop_motors() {
 
 // The robot hears nothing for 100 ms.
 void Device::change_baud(std::int32_t code) {
-  if (code < 0 || code >= static_cast<std::int32_t>(oi::kBaudRates.size())) return;
+  if (code < 0 || code >= static_cast<std::int32_t>(parameters_.dialect->baud_rates.size())) return;
   supply_.brc_baud.reset();
-  switch_baud(oi::kBaudRates[static_cast<std::size_t>(code)]);
+  switch_baud(parameters_.dialect->baud_rates[static_cast<std::size_t>(code)]);
   serial_.deaf_until = now_ + oi::kBaudChangeWait;
 }
 

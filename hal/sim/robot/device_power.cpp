@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "hal/sim/robot/device.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal::sim {
@@ -90,8 +90,8 @@ void Device::set_power_toggle(bool high) {
 
 void Device::set_brc(bool high) {
   if (!supply_.brc.set_level(high, now_) || supply_.state == Power::off) return;
-  supply_.brc_baud = oi::kBrcBaud;
-  switch_baud(oi::kBrcBaud);
+  supply_.brc_baud = parameters_.dialect->brc_baud;
+  switch_baud(parameters_.dialect->brc_baud);
 }
 
 void Device::reset() {
@@ -157,7 +157,7 @@ void Device::tick_play_held() {
   supply_.play_held = supply_.play_held && seen_.play_button && supply_.state != Power::off;
   if (!supply_.play_held || now_ < supply_.powered_at + kPlayHeld) return;
   supply_.play_held = false;
-  switch_baud(oi::kBrcBaud);
+  switch_baud(parameters_.dialect->brc_baud);
   own_sound_.start(kTuneOf19200, now_);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/sim/robot/device.hpp"
+#include "oi/dialect.hpp"
 #include "oi/extensions.hpp"
 
 namespace cargobay::hal::sim {
@@ -30,11 +31,11 @@ void Device::reply() {
 
 // Sends nothing for an id that is not a packet.
 void Device::send_packet(std::uint8_t id) {
-  const oi::PacketInfo* info = oi::find_packet(id, parameters_.extensions);
+  const oi::PacketInfo* info = parameters_.dialect->find_packet(id);
   if (info == nullptr) return;
   for (std::uint8_t single = info->first; single <= info->last; ++single) {
     const auto raw = static_cast<std::uint32_t>(read_sensor(single));
-    if (oi::find_packet(single, parameters_.extensions)->size == 2) {
+    if (parameters_.dialect->packet_size(single) == 2) {
       send(static_cast<std::uint8_t>(raw >> 8U));
     }
     send(static_cast<std::uint8_t>(raw));

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "oi/extensions.hpp"
+#include "oi/dialect.hpp"
 #include "oi/fixed_list.hpp"
 #include "oi/limits.hpp"
 #include "oi/packet_table.hpp"
@@ -15,11 +15,11 @@ class StreamSender {
  public:
   // A new list starts the stream, an empty one ends it. Ids that are not packets are skipped. A
   // list longer than the manual's 43 is ignored: the stream stays as it was.
-  void start(std::span<const std::uint8_t> packet_ids, oi::Extensions extensions) {
+  void start(std::span<const std::uint8_t> packet_ids, const oi::Dialect& dialect) {
     if (packet_ids.size() > oi::kMaxStreamPackets) return;
     packets_.clear();
     for (const std::uint8_t id : packet_ids) {
-      if (oi::find_packet(id, extensions) != nullptr)
+      if (dialect.find_packet(id) != nullptr)
         (void)packets_.push_back(id);  // never full: checked above
     }
     running_ = true;

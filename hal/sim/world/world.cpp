@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "hal/sim/safety.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -154,7 +155,7 @@ void sense_cliffs(const World& world, const Pose& pose, Inputs& inputs) {
   look(inputs.cliff_front_left, kCliffFrontDeg);
   look(inputs.cliff_front_right, -kCliffFrontDeg);
   look(inputs.cliff_right, -kCliffSideDeg);
-  const double wheel_mm = 0.5 * oi::kWheelBaseMm;
+  const double wheel_mm = 0.5 * oi::kCreate.wheel_base_mm;
   if (over_cliff(place(pose, wheel_mm, 90.0))) inputs.wheel_drop_left = true;
   if (over_cliff(place(pose, wheel_mm, -90.0))) inputs.wheel_drop_right = true;
   if (over_cliff(place(pose, kCasterMm, 0.0))) inputs.wheel_drop_caster = true;

@@ -112,7 +112,8 @@ class Bench {
       wires.power_sense = &pins.power_sense;
       wires.charging = &pins.charging;
     }
-    return hal::bring_up(stream, {.mode = mode, .packets = kReadingList, .pins = wires});
+    return hal::bring_up(
+        stream, {.mode = mode, .packets = oi::kCreate.list(oi::FrameList::reading), .pins = wires});
   }
 
   sim::Device device;
@@ -182,7 +183,7 @@ TEST(BringUpStates, PulsesAreWhatTheManualAsksFor) {
     WatchedPin toggle{bench.pins.power_toggle, bench.device};
     const auto report = bring_up(
         bench.stream,
-        {.packets = kReadingList,
+        {.packets = oi::kCreate.list(oi::FrameList::reading),
          .pins = {.brc = &brc, .power_toggle = &toggle, .power_sense = &bench.pins.power_sense}});
     ASSERT_TRUE(report) << report.failure().message;
     EXPECT_EQ(report->rate_change, RateChange::brc);
@@ -205,7 +206,7 @@ TEST(BringUpStates, PulsesAreWhatTheManualAsksFor) {
 TEST(BringUpStates, ARobotThatAnswersIsNotToggled) {
   Bench bench{{.robot = {.boot_baud = 115200}}, 19200};
   const auto report = bring_up(
-      bench.stream, {.packets = kReadingList,
+      bench.stream, {.packets = oi::kCreate.list(oi::FrameList::reading),
                      .pins = {.brc = &bench.pins.brc, .power_toggle = &bench.pins.power_toggle}});
   ASSERT_TRUE(report) << report.failure().message;
   EXPECT_FALSE(report->powered_on);
@@ -216,7 +217,7 @@ TEST(BringUpStates, AToggleWithoutIndicatorHelpsTooWhereTheRobotIsOff) {
   for (const std::uint32_t wanted : {57600U, 19200U}) {
     Bench bench{{.robot = {.power_on = sim::PowerOn::never}}, wanted};
     const auto report = bring_up(
-        bench.stream, {.packets = kReadingList,
+        bench.stream, {.packets = oi::kCreate.list(oi::FrameList::reading),
                        .pins = {.brc = &bench.pins.brc, .power_toggle = &bench.pins.power_toggle}});
     ASSERT_TRUE(report) << report.failure().message;
     EXPECT_TRUE(report->powered_on);
@@ -230,8 +231,8 @@ TEST(BringUpStates, ARobotThatIsOnAndDeafIsSwitchedOffAndOn) {
       {.prepare = [](sim::Device&, sim::VirtualLink& link) { say(link, {128, 131, 155, 255}); }},
       57600};
   ASSERT_TRUE(bench.device.waiting());
-  const auto report = bring_up(
-      bench.stream, {.packets = kReadingList, .pins = {.power_toggle = &bench.pins.power_toggle}});
+  const auto report = bring_up(bench.stream, {.packets = oi::kCreate.list(oi::FrameList::reading),
+                                              .pins = {.power_toggle = &bench.pins.power_toggle}});
   ASSERT_TRUE(report) << report.failure().message;
   EXPECT_EQ(bench.device.counters().boots, 1U);
 }
@@ -261,7 +262,8 @@ TEST(BringUpStates, ADeadBrcWireIsMadeUpForByTheBaudCommand) {
   Bench bench{{}, 19200};
   sim::Device elsewhere{sim::Parameters{}};
   sim::Pins dead{[&](const std::function<void(sim::Device&)>& change) { change(elsewhere); }};
-  const auto report = bring_up(bench.link, {.packets = kReadingList, .pins = {.brc = &dead.brc}});
+  const auto report = bring_up(bench.link, {.packets = oi::kCreate.list(oi::FrameList::reading),
+                                            .pins = {.brc = &dead.brc}});
   ASSERT_TRUE(report) << report.failure().message;
   EXPECT_EQ(report->rate_change, RateChange::command);
   EXPECT_EQ(bench.device.baud(), 19200U);
@@ -296,7 +298,7 @@ TEST_F(BringUpFails, QuotesTheTextOfARobotThatIsOffOnItsCharger) {
 
 TEST_F(BringUpFails, SaysThatTheIndicatorTellsItIsOff) {
   Bench bench{{.robot = {.power_on = sim::PowerOn::never}}, 57600};
-  EXPECT_THAT(complaint(bring_up(bench.link, {.packets = kReadingList,
+  EXPECT_THAT(complaint(bring_up(bench.link, {.packets = oi::kCreate.list(oi::FrameList::reading),
                                               .pins = {.power_sense = &bench.pins.power_sense}})),
               HasSubstr("power indicator is low"));
 }
@@ -305,7 +307,7 @@ TEST_F(BringUpFails, SaysThatTheToggleDidNothing) {
   Bench bench{{.robot = {.power_on = sim::PowerOn::never}}, 57600};
   sim::Device elsewhere{sim::Parameters{}};
   sim::Pins dead{[&](const std::function<void(sim::Device&)>& change) { change(elsewhere); }};
-  EXPECT_THAT(complaint(bring_up(bench.link, {.packets = kReadingList,
+  EXPECT_THAT(complaint(bring_up(bench.link, {.packets = oi::kCreate.list(oi::FrameList::reading),
                                               .pins = {.power_toggle = &dead.power_toggle,
                                                        .power_sense = &bench.pins.power_sense}})),
               HasSubstr("pins 3 and 8"));
@@ -328,7 +330,8 @@ class FailingPin final : public gpio::Output {
 TEST_F(BringUpFails, SaysThatTheLineFailed) {
   Bench bench{{}, 19200};
   FailingPin pin;
-  EXPECT_THAT(complaint(bring_up(bench.link, {.packets = kReadingList, .pins = {.brc = &pin}})),
+  EXPECT_THAT(complaint(bring_up(bench.link, {.packets = oi::kCreate.list(oi::FrameList::reading),
+                                              .pins = {.brc = &pin}})),
               HasSubstr("No such device"));
 }
 
@@ -337,7 +340,7 @@ TEST_F(BringUpFails, UnpluggedAtAnyTimeLeavesThePinsReleased) {
   for (milliseconds at{0}; at < std::chrono::seconds{6}; at += milliseconds{130}) {
     Bench bench{{.robot = {.power_on = sim::PowerOn::never}}, 19200};
     const rt::TimePoint gone = bench.link.now() + at;
-    const auto report = bring_up(bench.link, {.packets = kReadingList,
+    const auto report = bring_up(bench.link, {.packets = oi::kCreate.list(oi::FrameList::reading),
                                               .pins = {.brc = &bench.pins.brc,
                                                        .power_toggle = &bench.pins.power_toggle,
                                                        .power_sense = &bench.pins.power_sense},
@@ -354,10 +357,10 @@ TEST_F(BringUpFails, UnpluggedAtAnyTimeLeavesThePinsReleased) {
 TEST_F(BringUpFails, CancelledInAPulseReleasesThePin) {
   Bench bench{{}, 19200};
   int low = 0;
-  const auto report = bring_up(
-      bench.stream, {.packets = kReadingList, .pins = {.brc = &bench.pins.brc}, .cancelled = [&] {
-                       return !bench.device.brc_high() && ++low > 3;
-                     }});
+  const auto report =
+      bring_up(bench.stream, {.packets = oi::kCreate.list(oi::FrameList::reading),
+                              .pins = {.brc = &bench.pins.brc},
+                              .cancelled = [&] { return !bench.device.brc_high() && ++low > 3; }});
   EXPECT_THAT(complaint(report), HasSubstr("interrupted"));
   EXPECT_EQ(report.failure().code, std::errc::operation_canceled);
   EXPECT_GT(low, 0);

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 class BringUp : public testing::Test {
  protected:
   Result<BringUpReport> run(oi::Mode mode = oi::Mode::safe) {
-    return bring_up(link_, {.mode = mode, .packets = kReadingList});
+    return bring_up(link_, {.mode = mode, .packets = oi::kCreate.list(oi::FrameList::reading)});
   }
   void send(std::vector<std::uint8_t> bytes) {
     (void)link_.write(bytes);
@@ -50,10 +50,10 @@ TEST_F(BringUp, LeadsToFullWhereAsked) {
 
 TEST_F(BringUp, TellsEachStep) {
   std::vector<std::string> steps;
-  ASSERT_TRUE(
-      bring_up(link_, {.packets = kReadingList, .progress = [&steps](const BringUpEvent& event) {
-                         steps.push_back(event.step + " " + event.detail);
-                       }}));
+  ASSERT_TRUE(bring_up(link_, {.packets = oi::kCreate.list(oi::FrameList::reading),
+                               .progress = [&steps](const BringUpEvent& event) {
+                                 steps.push_back(event.step + " " + event.detail);
+                               }}));
   EXPECT_THAT(steps, testing::ElementsAre("Start at 57600 baud", "Stream at 57600 baud", "Safe "));
 }
 
@@ -100,7 +100,7 @@ TEST_F(BringUp, SaysThatTheRobotIsSilent) {
   device_.output().clear();
   sim::Device dead{sim::Parameters{.power_on = sim::PowerOn::never}};
   sim::VirtualLink dead_link{dead};
-  const auto report = bring_up(dead_link, {.packets = kReadingList});
+  const auto report = bring_up(dead_link, {.packets = oi::kCreate.list(oi::FrameList::reading)});
   ASSERT_FALSE(report);
   EXPECT_THAT(report.failure().message, HasSubstr("silent at all its rates"));
   EXPECT_THAT(report.failure().message, HasSubstr("switched on"));

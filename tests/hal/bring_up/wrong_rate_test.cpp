@@ -10,7 +10,7 @@
 #include "hal/sim/line/cable.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/robot/device.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -83,8 +83,8 @@ class Asked {
 // Over all pairs of rates and some gaps: in how many cases something is wrong.
 int harmed_by(std::uint8_t packet) {
   int harmed = 0;
-  for (const std::uint32_t own : oi::kBaudRates) {
-    for (const std::uint32_t other : oi::kBaudRates) {
+  for (const std::uint32_t own : oi::kCreate.baud_rates) {
+    for (const std::uint32_t other : oi::kCreate.baud_rates) {
       for (std::uint64_t seed = 0; own != other && seed < kTries; ++seed) {
         Asked robot{own, other, seed};
         robot.send({128});

@@ -8,7 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
+#include "oi/stream_decoder.hpp"
 #include "tests/hal/virtual_drive.hpp"
 
 namespace cargobay::hal {
@@ -104,7 +105,7 @@ struct Summary {
 };
 
 Summary survey(sim::Remainder kind, rt::WheelLoop::Feedback feedback,
-               std::uint32_t baud = oi::kDefaultBaud) {
+               std::uint32_t baud = oi::kCreate.default_baud) {
   Summary summary;
   double sum = 0.0;
   int count = 0;
@@ -140,10 +141,11 @@ TEST(ClosedLoop, HoldsSpeedWhereTheRemainderIsLost) {
 // As after three pulses on the BRC pin: a frame and its answer take 9.4 of the 15 ms.
 TEST(ClosedLoop, HoldsSpeedAt19200Baud) {
   const Summary carried =
-      survey(sim::Remainder::carried, rt::WheelLoop::Feedback::closed, oi::kBrcBaud);
+      survey(sim::Remainder::carried, rt::WheelLoop::Feedback::closed, oi::kCreate.brc_baud);
   EXPECT_LE(carried.estimate_rmse, 8.0);
   EXPECT_LE(carried.steady_error, 3.0);
-  const Summary lost = survey(sim::Remainder::lost, rt::WheelLoop::Feedback::closed, oi::kBrcBaud);
+  const Summary lost =
+      survey(sim::Remainder::lost, rt::WheelLoop::Feedback::closed, oi::kCreate.brc_baud);
   EXPECT_LE(lost.estimate_rmse, 12.0);
   EXPECT_LE(lost.steady_error, 10.0);
 }
@@ -174,7 +176,7 @@ Errors per_frame_rmse(sim::Remainder kind, const rt::WheelSpeeds& target) {
   virtual_drive.on_frame = [&](int, ControlCycle&) {
     const double mean_mm_s = values.distance().value / 0.015;
     const double half_turn_mm_s =
-        values.angle().value * std::numbers::pi / 180.0 * oi::kWheelBaseMm / 2.0 / 0.015;
+        values.angle().value * std::numbers::pi / 180.0 * oi::kCreate.wheel_base_mm / 2.0 / 0.015;
     differences.push_back({mean_mm_s - half_turn_mm_s, mean_mm_s + half_turn_mm_s});
   };
   const test::DriveResult result =

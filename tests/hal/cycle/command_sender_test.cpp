@@ -72,7 +72,7 @@ class CommandSenderTest : public testing::Test {
   }
 
   Port port_{};
-  CommandSender sender_{port_, 15ms, 1s};
+  CommandSender sender_{port_, oi::kCreate, 15ms, 1s};
   Sent sent_ = Sent::failed;
 };
 
@@ -154,11 +154,11 @@ TEST_F(CommandSenderTest, GoesBackToTheModeWithoutADrive) {
 
 TEST_F(CommandSenderTest, WithholdsASecondCommandInATick) {
   FrameCounters counters;
-  TickLedger ledger{15ms, 5ms, counters};
+  TickLedger ledger{oi::kCreate.frame_bytes, 15ms, 5ms, counters};
   oi::StreamDecoder::Counters bytes;
   const auto arrive = [&](rt::TimePoint time) {
-    bytes.bytes += kFrameBytes;
-    bytes.framed += kFrameBytes;
+    bytes.bytes += oi::kCreate.frame_bytes;
+    bytes.framed += oi::kCreate.frame_bytes;
     (void)ledger.book({.time = time, .frames = 1, .corrupt = 0, .bytes = bytes});
   };
   for (int i = 0; i < 30; ++i) {

@@ -104,7 +104,7 @@ TEST(ControlCycle, CountsAndSurvivesDamagedFrames) {
   std::mt19937 random{7};
   int flipped = 0;
   drive.line.damage = [&](std::span<std::uint8_t> bytes) {
-    if (bytes.size() == kFrameBytes && random() % 10 == 0) {
+    if (bytes.size() == oi::kCreate.frame_bytes && random() % 10 == 0) {
       bytes[2 + random() % 8] ^= 0x40;
       ++flipped;
     }
@@ -201,7 +201,7 @@ TEST(ControlCycle, DoesNotTakeATickForAWindow) {
   Damage progress{drive};
   bool dropped = false;
   drive.line.damage = [&](std::span<std::uint8_t> bytes) -> std::size_t {
-    const bool reads = bytes.size() == kFrameBytes && bytes[4] == 2;  // group 2
+    const bool reads = bytes.size() == oi::kCreate.frame_bytes && bytes[4] == 2;  // group 2
     if (dropped || progress.frame() < 500 || !reads) return bytes.size();
     dropped = true;
     return 0;
@@ -228,7 +228,7 @@ TEST(ControlCycle, TellsARobotThatMisheardItsListAgain) {
     EXPECT_EQ(result.frames.good, 300U);
     const auto streamed = drive.device.stream().packets();
     const auto is_streamed = [&streamed](FrameList list) {
-      return std::ranges::equal(streamed, packets(list), {}, {},
+      return std::ranges::equal(streamed, oi::kCreate.list(list), {}, {},
                                 [](oi::PacketId id) { return static_cast<std::uint8_t>(id); });
     };
     EXPECT_TRUE(is_streamed(FrameList::reading) || is_streamed(FrameList::hazards) ||
@@ -329,8 +329,8 @@ class Setpoints : public testing::Test {
  protected:
   // Runs for `frames` frames; `each` is called before each frame is read.
   CycleEnd run(int frames, std::function<void(int)> each) {
-    EXPECT_TRUE(bring_up(link_, {.packets = kReadingList}));
-    EXPECT_FALSE(link_.set_wake_threshold(kFrameBytes));
+    EXPECT_TRUE(bring_up(link_, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+    EXPECT_FALSE(link_.set_wake_threshold(oi::kCreate.frame_bytes));
     int frame = 0;
     line_.damage = [&](std::span<std::uint8_t> bytes) {
       each(++frame);

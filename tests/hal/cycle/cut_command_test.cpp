@@ -12,7 +12,8 @@ namespace {
 using test::DriveResult;
 using test::VirtualDrive;
 
-constexpr std::size_t kLongestAnswer = oi::kDriveDirectBytes + 2 + kReadingList.size();
+constexpr std::size_t kLongestAnswer =
+    oi::kDriveDirectBytes + 2 + oi::kCreate.list(oi::FrameList::reading).size();
 
 rt::WheelSpeeds turns_after_3_s(double seconds) {
   return seconds < 3.0 ? rt::WheelSpeeds{211.0, 187.0} : rt::WheelSpeeds{-103.0, 77.0};

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "rt/unchecked.hpp"
 
 namespace cargobay::hal {
@@ -17,10 +18,10 @@ using namespace std::chrono_literals;
 
 // A frame of a list, with the checksum that robots send.
 std::vector<std::uint8_t> frame(FrameList list, std::uint8_t data = 0) {
-  std::vector<std::uint8_t> bytes{19, static_cast<std::uint8_t>(kFrameBytes - 3)};
-  for (const oi::PacketId packet : packets(list)) {
+  std::vector<std::uint8_t> bytes{19, static_cast<std::uint8_t>(oi::kCreate.frame_bytes - 3)};
+  for (const oi::PacketId packet : oi::kCreate.list(list)) {
     bytes.push_back(static_cast<std::uint8_t>(packet));
-    bytes.insert(bytes.end(), oi::packet_size(static_cast<std::uint8_t>(packet)), data);
+    bytes.insert(bytes.end(), oi::kCreate.packet_size(static_cast<std::uint8_t>(packet)), data);
   }
   bytes.push_back(static_cast<std::uint8_t>(-std::accumulate(bytes.begin(), bytes.end(), 0)));
   return bytes;
@@ -40,7 +41,7 @@ class FrameReceiverTest : public testing::Test {
                      });
     return lists;
   }
-  FrameReceiver receiver_{15ms};
+  FrameReceiver receiver_{oi::kCreate, 15ms};
 };
 
 TEST_F(FrameReceiverTest, KnowsEachListByItsFrame) {

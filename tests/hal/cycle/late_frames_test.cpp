@@ -19,6 +19,7 @@
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/robot/device.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/hal/held_stream.hpp"
@@ -45,7 +46,7 @@ struct Driven {
 
 struct Setup {
   sim::Remainder remainder = sim::Remainder::carried;
-  std::uint32_t baud = oi::kDefaultBaud;
+  std::uint32_t baud = oi::kCreate.default_baud;
   rt::WheelSpeeds target{200.0, 200.0};
   rt::Duration backlog{0};  // of frames that are waiting when the cycle begins
   // How long the control function is kept off the CPU, each time.
@@ -57,7 +58,7 @@ void sleep(test::HeldStream& stream, rt::Duration time) {
   constexpr std::size_t kNever = 100'000;
   EXPECT_FALSE(stream.set_wake_threshold(kNever));
   EXPECT_EQ(stream.wait(stream.now() + time), ByteStream::Wait::timed_out);
-  EXPECT_FALSE(stream.set_wake_threshold(kFrameBytes));
+  EXPECT_FALSE(stream.set_wake_threshold(oi::kCreate.frame_bytes));
 }
 
 // Decides on a drive, on the control thread.
@@ -85,11 +86,11 @@ Driven drive(const HandOver& hand_over, std::uint64_t frames, const Setup& setup
   sim::VirtualLink link{device};
   test::HeldStream stream{link};
   Driven run;
-  EXPECT_TRUE(bring_up(stream, {.packets = kReadingList}));
-  EXPECT_FALSE(stream.set_wake_threshold(kFrameBytes));
+  EXPECT_TRUE(bring_up(stream, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+  EXPECT_FALSE(stream.set_wake_threshold(oi::kCreate.frame_bytes));
   ControlCycle::Parameters parameters;
   parameters.loop.estimator.input_delay_s =
-      rt::seconds(oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, stream.baud()));
+      rt::seconds(oi::wire_time(oi::kCreate.frame_bytes + oi::kDriveDirectBytes, stream.baud()));
   if (setup.control_takes) parameters.control_budget = 1s;
   const auto cycle = std::make_unique<ControlCycle>(stream, parameters);
   Driver driver{&stream, &device, &setup, device.ticks() + frames, cycle.get()};
@@ -125,7 +126,8 @@ rt::Duration offset(const sim::DriveRecord& record) {
   return (record.time - oi::kTick) % oi::kTick;
 }
 // How long it takes to answer a frame that comes on time: both on the wire.
-constexpr rt::Duration kOnTime = oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, 57600) + 100us;
+constexpr rt::Duration kOnTime =
+    oi::wire_time(oi::kCreate.frame_bytes + oi::kDriveDirectBytes, 57600) + 100us;
 
 bool is_on_time_from(const Driven& run, std::uint64_t tick) {
   bool any = false;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/cycle/command_sender.hpp"
 #include "hal/cycle/outgoing.hpp"
 #include "tests/hal/virtual_drive.hpp"
 
@@ -103,7 +104,7 @@ TEST(ShortWrite, OfAStopIsTriedUntilItIsWhole) {
   const DriveResult result = drive.run(300, turns_after_5_s);
   EXPECT_EQ(result.end, CycleEnd::link_lost);
   EXPECT_EQ(at_the_end, rt::WheelSpeeds{});
-  EXPECT_EQ(drive.device.counters().unknown_opcodes, ControlCycle::kLongestOwnRest)
+  EXPECT_EQ(drive.device.counters().unknown_opcodes, CommandSender::kLongestOwnRest)
       << "zeros, in front of the stop";
 }
 

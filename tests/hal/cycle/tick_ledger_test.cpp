@@ -17,7 +17,7 @@ class TickLedgerTest : public testing::Test {
   // `frames` whole ones, after `skipped` bytes, at these ticks of the robot.
   TickLedger::Account arrive(int tick, int frames = 1, std::uint64_t skipped = 0,
                              std::uint64_t corrupt = 0) {
-    const auto framed = static_cast<std::uint64_t>(frames) * kFrameBytes;
+    const auto framed = static_cast<std::uint64_t>(frames) * oi::kCreate.frame_bytes;
     bytes_.bytes += framed + skipped;
     bytes_.framed += framed;
     bytes_.skipped += skipped;
@@ -29,7 +29,7 @@ class TickLedgerTest : public testing::Test {
 
   FrameCounters counters_{};
   oi::StreamDecoder::Counters bytes_{};
-  TickLedger ledger_{15ms, 5ms, counters_};
+  TickLedger ledger_{oi::kCreate.frame_bytes, 15ms, 5ms, counters_};
 };
 
 TEST_F(TickLedgerTest, CountsFromTheFirstFrame) {
@@ -44,7 +44,7 @@ TEST_F(TickLedgerTest, CountsFromTheFirstFrame) {
 
 TEST_F(TickLedgerTest, TellsADamagedFrameFromALostOne) {
   (void)arrive(0);
-  const TickLedger::Account damaged = arrive(2, 1, kFrameBytes, 1);
+  const TickLedger::Account damaged = arrive(2, 1, oi::kCreate.frame_bytes, 1);
   EXPECT_EQ(damaged.lost, 1);
   EXPECT_FALSE(damaged.never_came);
   EXPECT_FALSE(damaged.bytes_missing);
@@ -75,7 +75,7 @@ TEST_F(TickLedgerTest, TakesBackWhatComesAfterAll) {
 TEST_F(TickLedgerTest, HearsOfBytesThatNoFrameExplains) {
   (void)arrive(0);
   EXPECT_FALSE(arrive(1, 1, 2).says_more);
-  EXPECT_TRUE(arrive(2, 1, 3 * kFrameBytes).says_more);
+  EXPECT_TRUE(arrive(2, 1, 3 * oi::kCreate.frame_bytes).says_more);
 }
 
 TEST_F(TickLedgerTest, GoesThroughASilenceOnce) {
@@ -108,8 +108,8 @@ TEST_F(TickLedgerTest, KnowsALateFrameAndOneThatIsOnTimeForCertain) {
   for (; tick <= rt::TickClock::kArrivalsToKnow + 1; ++tick) (void)arrive(tick);
   EXPECT_TRUE(ledger_.on_time(2ms));
   EXPECT_FALSE(ledger_.late());
-  bytes_.bytes += kFrameBytes;
-  bytes_.framed += kFrameBytes;
+  bytes_.bytes += oi::kCreate.frame_bytes;
+  bytes_.framed += oi::kCreate.frame_bytes;
   (void)ledger_.book(
       {.time = rt::TimePoint{tick * 15ms + 6ms}, .frames = 1, .corrupt = 0, .bytes = bytes_});
   EXPECT_TRUE(ledger_.late());

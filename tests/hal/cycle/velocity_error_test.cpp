@@ -14,9 +14,12 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/robot/device.hpp"
+#include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/hal/damaged_stream.hpp"
@@ -75,7 +78,7 @@ class ByArrival {
     last_ = now;
     const double mean_mm_s = distance_mm / seconds;
     const double half_turn_mm_s =
-        angle_deg * std::numbers::pi / 180.0 * oi::kWheelBaseMm / 2.0 / seconds;
+        angle_deg * std::numbers::pi / 180.0 * oi::kCreate.wheel_base_mm / 2.0 / seconds;
     speeds_ = {mean_mm_s - half_turn_mm_s, mean_mm_s + half_turn_mm_s};
   }
   const rt::WheelSpeeds& speeds() const { return speeds_; }
@@ -108,11 +111,11 @@ class Drive {
   }
 
   SpeedErrors run(Reads reads) {
-    EXPECT_TRUE(bring_up(tap_, {.packets = kReadingList}));
-    EXPECT_FALSE(tap_.set_wake_threshold(kFrameBytes));
+    EXPECT_TRUE(bring_up(tap_, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+    EXPECT_FALSE(tap_.set_wake_threshold(oi::kCreate.frame_bytes));
     ControlCycle::Parameters parameters;
     parameters.loop.estimator.input_delay_s =
-        rt::seconds(oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, tap_.baud()));
+        rt::seconds(oi::wire_time(oi::kCreate.frame_bytes + oi::kDriveDirectBytes, tap_.baud()));
     if (reads == Reads::every_frame) {
       parameters.loop.estimator.remainder = rt::Remainder::carried;
       parameters.loop.schedule.recheck_carried_ticks = 1'000'000;

@@ -211,7 +211,7 @@ TEST(FlightRecorder, HandsOutTheLastExchanges) {
   EXPECT_GT(last.size(), frames) << "the time-outs of the silence are there too";
   EXPECT_EQ(last[299].state->tick, drive.states[299].tick);
   EXPECT_EQ(last[299].time, drive.states[299].arrival);
-  EXPECT_EQ(last[299].read.size(), kFrameBytes);
+  EXPECT_EQ(last[299].read.size(), oi::kCreate.frame_bytes);
   EXPECT_EQ(last[299].written[0], 145);
   const std::vector<Exchange> fewer = last_exchanges(drive.recorder, 7);
   EXPECT_EQ(fewer.front().state->tick, drive.states[293].tick);

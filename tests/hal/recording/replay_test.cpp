@@ -120,8 +120,8 @@ TEST(Replay, IsTheSameHoweverTheCycleEnds) {
 
 TEST(Replay, IsTheSameForSetpoints) {
   RecordedDrive drive;
-  ASSERT_TRUE(bring_up(drive.link, {.packets = kReadingList}));
-  ASSERT_FALSE(drive.link.set_wake_threshold(kFrameBytes));
+  ASSERT_TRUE(bring_up(drive.link, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+  ASSERT_FALSE(drive.link.set_wake_threshold(oi::kCreate.frame_bytes));
   RecordingStream recorded{drive.line, drive.recorder};
   const auto cycle = std::make_unique<ControlCycle>(recorded, drive.header.parameters);
   drive.header.baud = drive.link.baud();

@@ -17,7 +17,8 @@ Result<CalibrationResult> calibrate(const sim::Parameters& robot, double speed_m
       drive.run(frames, [&](double seconds) { return calibration.at(seconds); }, parameters);
   EXPECT_EQ(result.end, CycleEnd::asked);
   for (const test::Tick& tick : result.ticks) calibration.see(tick.state);
-  const double delay_s = rt::seconds(oi::wire_time(kFrameBytes + oi::kDriveDirectBytes, 57600));
+  const double delay_s =
+      rt::seconds(oi::wire_time(oi::kCreate.frame_bytes + oi::kDriveDirectBytes, 57600));
   return calibration.result(delay_s);
 }
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -38,8 +38,8 @@ TEST(FrameRotation, TellsOfHazardsBetweenReadings) {
 
 // Including DriveDirect and the longest list after it, at the robot's slowest.
 TEST(FrameLists, AreAnsweredWithinATickAt19200Baud) {
-  const auto answer = oi::kDriveDirectBytes + 2 + kReadingList.size();
-  EXPECT_LT(oi::wire_time(kFrameBytes + answer, oi::kBrcBaud), oi::kTick);
+  const auto answer = oi::kDriveDirectBytes + 2 + oi::kCreate.list(oi::FrameList::reading).size();
+  EXPECT_LT(oi::wire_time(oi::kCreate.frame_bytes + answer, oi::kCreate.brc_baud), oi::kTick);
 }
 
 }  // namespace

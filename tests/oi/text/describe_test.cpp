@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "oi/command_table.hpp"
+#include "oi/dialect.hpp"
 #include "oi/parse.hpp"
 #include "tests/oi/feed.hpp"
 
@@ -159,7 +160,7 @@ TEST(DescribeCommands, CoversAnyBytes) {
 TEST(DescribeCommands, AnswersForAllOpcodes) {
   for (unsigned opcode = 0; opcode < 256; ++opcode) {
     const auto byte = static_cast<std::uint8_t>(opcode);
-    const CommandInfo* info = find_command(byte);
+    const CommandInfo* info = kCreate.find_command(byte);
     const std::string lines = commands({byte}).lines;
     EXPECT_THAT(lines, HasSubstr(info == nullptr ? "is not a command" : std::string{info->name}));
   }

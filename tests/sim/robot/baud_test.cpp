@@ -1,9 +1,9 @@
 // OI p. 7: the Baud command, and what arrives at another rate.
-#include "oi/baud.hpp"
 
 #include <gtest/gtest.h>
 
 #include "hal/sim/line/rate_change.hpp"
+#include "oi/dialect.hpp"
 #include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
@@ -12,16 +12,16 @@ namespace {
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
 TEST(Baud, ChangesToEachOfTheTwelveRatesAndBack) {
-  for (std::size_t code = 0; code < oi::kBaudRates.size(); ++code) {
+  for (std::size_t code = 0; code < oi::kCreate.baud_rates.size(); ++code) {
     Robot robot;
     robot.send({128, 129, static_cast<std::uint8_t>(code)});
     robot.wait(100ms);
-    ASSERT_FALSE(robot.link.set_baud(oi::kBaudRates[code]));
+    ASSERT_FALSE(robot.link.set_baud(oi::kCreate.baud_rates[code]));
     robot.send({142});
     robot.wait(200us);  // 115200 needs it
     robot.send({35});
     robot.wait(100ms);
-    EXPECT_EQ(robot.receive(), (Bytes{1})) << oi::kBaudRates[code];
+    EXPECT_EQ(robot.receive(), (Bytes{1})) << oi::kCreate.baud_rates[code];
   }
 }
 
@@ -65,7 +65,7 @@ TEST(Baud, IsBootedAtTheRateItIsGiven) {
 }
 
 TEST(Baud, HearsNoStartAtAWrongRate) {
-  for (const std::uint32_t baud : oi::kBaudRates) {
+  for (const std::uint32_t baud : oi::kCreate.baud_rates) {
     if (baud == 57600) continue;
     Robot robot;
     ASSERT_FALSE(robot.link.set_baud(baud));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
@@ -12,7 +13,7 @@ using namespace test;  // NOLINT(google-build-using-namespace): this file's own 
 
 Parameters extended() {
   Parameters parameters = ideal_wheels();
-  parameters.extensions = oi::Extensions::on;
+  parameters.dialect = &oi::kCreateWithExtensions;
   return parameters;
 }
 
@@ -66,7 +67,7 @@ TEST(Extensions, AnswerOpcode8WithTheFirmwaresDate) {
 
 TEST(Extensions, AreNotOutOfRange) {
   Parameters parameters;
-  parameters.extensions = oi::Extensions::on;
+  parameters.dialect = &oi::kCreateWithExtensions;
   for (const bool known : {true, false}) {
     Robot robot{known ? parameters : Parameters{}};
     robot.send({128, 149, 2, 43, 44});

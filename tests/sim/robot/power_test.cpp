@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/robot/brc_detector.hpp"
+#include "oi/dialect.hpp"
 #include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
@@ -296,7 +297,7 @@ TEST(Reset, IsAnExtension) {
   plain.send({128, 7});
   EXPECT_EQ(plain.device.mode(), oi::Mode::passive);
   Parameters parameters;
-  parameters.extensions = oi::Extensions::on;
+  parameters.dialect = &oi::kCreateWithExtensions;
   Robot robot{parameters};
   robot.send({128, 7});
   EXPECT_EQ(robot.device.power(), Power::booting);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oi/dialect.hpp"
 #include "oi/packet_table.hpp"
 #include "tests/sim/robot.hpp"
 
@@ -18,7 +19,7 @@ struct Passive : Robot {
 TEST(Sensors, AnswersEveryPacketWithItsSize) {
   Passive robot;
   for (std::uint8_t id = 0; id < oi::kPacketCount; ++id) {
-    EXPECT_EQ(robot.ask({142, id}).size(), oi::packet_size(id)) << int{id};
+    EXPECT_EQ(robot.ask({142, id}).size(), oi::kCreate.packet_size(id)) << int{id};
   }
 }
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/sim/random.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "tests/sim/robot.hpp"
 
 namespace cargobay::hal::sim {
@@ -73,7 +73,8 @@ TEST(UartLine, RefusesWhatItHasNoRoomFor) {
 TEST(UartLine, BringsEveryByteAtEveryRate) {
   Bytes all(256);
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
-  for (const std::uint32_t baud : oi::kBaudRates) EXPECT_EQ(through(all, baud, baud), all) << baud;
+  for (const std::uint32_t baud : oi::kCreate.baud_rates)
+    EXPECT_EQ(through(all, baud, baud), all) << baud;
 }
 
 TEST(UartLine, ToleratesRatesThatDifferByThreePercent) {
