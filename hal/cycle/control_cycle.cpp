@@ -1,364 +1,75 @@
 #include "hal/cycle/control_cycle.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <utility>
-
-#include "oi/stream_budget.hpp"
+#include "hal/cycle/cycle_pass.hpp"
 
 namespace cargobay::hal {
-namespace {
-
-// A frame's bytes may be handed over this long after its last bit.
-constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
-
-rt::Duration tick_of(const Parameters& parameters) {
-  return rt::Duration{std::llround(parameters.loop.estimator.tick_s * 1e9)};
-}
-
-// Whether the difference is large enough to matter in which tick the robot gets the second.
-bool changes(const rt::WheelSpeeds& before, const rt::WheelSpeeds& after) CARGOBAY_NONBLOCKING {
-  constexpr double kLeast = 10.0;  // mm/s: in one tick 0.15 of the counter's millimetres
-  return std::abs(after.left_mm_s - before.left_mm_s) > kLeast ||
-         std::abs(after.right_mm_s - before.right_mm_s) > kLeast;
-}
-
-}  // namespace
 
 ControlCycle::ControlCycle(ByteStream& stream, const Parameters& parameters)
-    : stream_{stream.at_this_rate()},
-      parameters_{parameters},
-      frame_time_{oi::wire_time(parameters.dialect->frame_bytes, stream.baud())},
-      control_{{.tick = tick_of(parameters),
-                .budget = parameters.control_budget,
-                .overruns_allowed = parameters.control_overruns_allowed}},
-      ledger_{parameters.dialect->frame_bytes, tick_of(parameters), parameters.late_margin,
-              counters_.frames},
-      loop_{parameters.loop},
-      odometry_{parameters.odometry},
-      sender_{stream_, *parameters.dialect, tick_of(parameters), parameters.link_timeout},
-      setpoint_{parameters.setpoint_lapse},
-      silence_{{.tick = tick_of(parameters),
-                .stop_after = parameters.stop_after,
-                .link_timeout = parameters.link_timeout}},
-      mode_watch_{parameters.drive_mode},
-      power_{parameters.power},
-      receiver_{*parameters.dialect, tick_of(parameters)} {}
+    : pass_{new CyclePass{stream, parameters}} {}
 
-CycleEnd ControlCycle::run() CARGOBAY_NONBLOCKING {
-  begin();
-  while (pass()) {
-  }
-  return finish();
+ControlCycle::~ControlCycle() { delete pass_; }
+
+CycleEnd ControlCycle::run() CARGOBAY_NONBLOCKING { return pass_->run(); }
+void ControlCycle::begin() CARGOBAY_NONBLOCKING { pass_->begin(); }
+bool ControlCycle::pass() CARGOBAY_NONBLOCKING { return pass_->pass(); }
+CycleEnd ControlCycle::finish() CARGOBAY_NONBLOCKING { return pass_->finish(); }
+
+void ControlCycle::set_control(const ControlFunction& control) { pass_->control_.set(control); }
+void ControlCycle::set_observer(const StateObserver& observer) { pass_->observer_ = observer; }
+void ControlCycle::set_guard(const GuardMark& guard) { pass_->sender_.set_guard(guard); }
+void ControlCycle::request_stop() CARGOBAY_NONBLOCKING {
+  pass_->stop_requested_.store(true, std::memory_order_relaxed);
 }
-
-void ControlCycle::begin() CARGOBAY_NONBLOCKING {
-  const rt::TimePoint now = stream_.now();
-  ledger_.begin(now);
-  receiver_.begin(now);
-  silence_.begin(now);
+void ControlCycle::abandon() CARGOBAY_NONBLOCKING { pass_->sender_.abandon(); }
+std::optional<rt::TimePoint> ControlCycle::last_pass() const CARGOBAY_NONBLOCKING {
+  const std::int64_t passed_ns = pass_->passed_ns_.load(std::memory_order_relaxed);
+  if (passed_ns == 0) return std::nullopt;
+  return rt::TimePoint{rt::Duration{passed_ns}};
 }
-
-bool ControlCycle::pass() CARGOBAY_NONBLOCKING {
-  return !stop_requested_.load(std::memory_order_relaxed) && pass_once() != Step::ended;
+bool ControlCycle::set_speeds(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
+  return within_range(speeds) && pass_->setpoint_.put(speeds);
 }
-
-CycleEnd ControlCycle::finish() CARGOBAY_NONBLOCKING {
-  stop_wheels();
-  return end_;
+void ControlCycle::expect_silence(rt::Duration duration) CARGOBAY_NONBLOCKING {
+  pass_->silence_.announce(duration);
 }
-
-// One wait, one read, and if frames are complete, one write.
-ControlCycle::Step ControlCycle::pass_once() CARGOBAY_NONBLOCKING {
-  const ByteStream::Wait woken = stream_.wait(wake_time());
-  const rt::TimePoint now = stream_.now();
-  woken_ = now;
-  passed_ns_.store(rt::nanoseconds(now), std::memory_order_relaxed);
-  if (look_after_guard(now) == Step::ended) return Step::ended;
-  silence_.take_up_announced(now);
-  if (woken == ByteStream::Wait::hung_up) return hung_up(0);
-
-  // After a time-out too: less than a frame may have arrived, and must not be left behind.
-  const ByteStream::Transfer transfer = stream_.read(receiver_.room());
-  if (transfer.error != 0) return hung_up(transfer.error);
-  receiver_.decode(transfer.count, now, [this](const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
-    see_frame(frame);
-  });
-  if (!receiver_.empty()) return answer(now);
-  return now >= silence_.deadline() ? deadline_passed() : Step::on;
+void ControlCycle::request_rearm() CARGOBAY_NONBLOCKING {
+  pass_->rearm_requested_.store(true, std::memory_order_relaxed);
 }
-
-// The wait is for whole frames. If a frame was read in part, its rest is fetched on its own: if it
-// had to wait for a frame's worth of bytes, it would come with most of the next frame, and so on
-// for ever.
-rt::TimePoint ControlCycle::wake_time() const CARGOBAY_NONBLOCKING {
-  if (receiver_.whole()) return silence_.deadline();
-  return std::min(silence_.deadline(), stream_.now() + frame_time_ + kHandOver);
+bool ControlCycle::request(const Request& request) CARGOBAY_NONBLOCKING {
+  return pass_->requests_.push(request);
 }
-
-ControlCycle::Step ControlCycle::look_after_guard(rt::TimePoint now) CARGOBAY_NONBLOCKING {
-  switch (sender_.guard().beat(now)) {
-    case GuardMark::Robot::ours: break;
-    case GuardMark::Robot::taken: return end(CycleEnd::guarded);
-    case GuardMark::Robot::unguarded: return end(CycleEnd::guard_lost);
-  }
-  return Step::on;
+std::size_t ControlCycle::spare_bytes() const CARGOBAY_NONBLOCKING {
+  return pass_->sender_.spare_bytes();
 }
-
-// Looks for what is worth reporting.
-void ControlCycle::see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
-  sender_.see(receiver_.list());
-  // The ledger has not counted it yet.
-  const auto ahead = static_cast<std::int64_t>(receiver_.readings().size());
-  const std::int64_t tick = ledger_.clock().started() ? ledger_.clock().ticks() + ahead : 0;
-  outlets_.board.see(frame, tick);
-  see_bumps(frame, tick);
-  for (const Event& event : power_.see(frame)) report(event, tick);
-  const std::optional<EventKind> change = mode_watch_.see(frame);
-  if (!change) return;
-  if (*change == EventKind::mode_lost) {
-    mode_loss_causes_ = mode_watch_.causes();
-    // A request from before there was anything to rearm. One made in response to the event comes
-    // later.
-    rearm_requested_.store(false, std::memory_order_relaxed);
-  }
-  report({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
+std::optional<CycleState> ControlCycle::state() const CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.state.get();
 }
-
-void ControlCycle::see_bumps(const oi::SensorValues& frame, std::int64_t tick)
-    CARGOBAY_NONBLOCKING {
-  if (!frame.has(oi::PacketId::bumps_and_wheel_drops)) return;
-  const Bumps before = std::exchange(bumps_, bumps_in(frame));
-  const Bumps began{static_cast<std::uint8_t>(bumps_.raw() & ~before.raw())};
-  if (began.any()) report({.what = EventKind::bump_began, .bumps = began}, tick);
-  if (before.any() && !bumps_.any()) report({.what = EventKind::bump_ended}, tick);
+bool ControlCycle::next_state(CycleState& state) CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.history.pop(state);
 }
-
-ControlCycle::Step ControlCycle::answer(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
-  take_requests();
-  std::optional<rt::Duration> period;
-  if (ledger_.clock().started()) period = arrival - ledger_.last_arrival();
-  account(arrival);
-  CycleState state = state_at(arrival);
-  // Only the second frame after a silence shows how many ticks it was: until then there is no
-  // estimate.
-  const bool doubtful =
-      mode_watch_.state() == ModeWatch::State::driving && ledger_.clock().in_doubt();
-  const Step step = doubtful ? Step::on : answer_in_mode(state);
-  // The command is out: from here on nothing is urgent.
-  if (period) outlets_.period_ns.record(static_cast<std::uint64_t>(period->count()));
-  if (doubtful) return step;
-  outlets_.publish(state, counters_);
-  if (observer_.function != nullptr) observer_.function(observer_.context, state);
-  return step;
+bool ControlCycle::next_event(Event& event) CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.events.pop(event);
 }
-
-// Requests that need no room on the line are done at once; a command waits for its own frame, and
-// later requests wait with it.
-void ControlCycle::take_requests() CARGOBAY_NONBLOCKING {
-  if (requests_.empty()) return;  // cheaper to check than a Request to make
-  Request request;
-  for (std::size_t i = 0; i < kMostRequests; ++i) {
-    if (sender_.request_waits() || !requests_.pop(request)) return;
-    if (observer_.request != nullptr) observer_.request(observer_.context, request);
-    take_request(request);
-  }
+std::uint64_t ControlCycle::events_dropped() const CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.events.dropped();
 }
-
-void ControlCycle::take_request(const Request& request) CARGOBAY_NONBLOCKING {
-  switch (request.kind) {
-    case Request::Kind::command: sender_.take_request(request); break;
-    case Request::Kind::stream: sender_.rotation().stream(request.extras); break;
-    case Request::Kind::look: sender_.rotation().look_at(request.extras); break;
-    case Request::Kind::pose: odometry_.reset(request.pose); break;
-  }
+SensorReadings ControlCycle::sensors() const CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.board.readings();
 }
-
-// Books the arrival, and brings loop and odometry up to the present tick.
-void ControlCycle::account(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
-  const bool counting = ledger_.clock().started();
-  const TickLedger::Account account =
-      ledger_.book({.time = arrival,
-                    .frames = static_cast<int>(receiver_.readings().size()),
-                    .corrupt = receiver_.take_corrupt(),
-                    .bytes = receiver_.bytes()});
-  if (account.says_more) sender_.doubt_hearing();
-  if (counting) step_through(account);
-  for (const auto& reading : receiver_.readings()) {
-    loop_.frame(reading);
-    odometry_.step(loop_.take_travel());
-  }
-  if (silence_.end(ledger_.deadline())) report(EventKind::silence_ended);
+CycleCounters ControlCycle::counters() const CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.counters.get().value_or(CycleCounters{});
 }
-
-// Steps through the ticks whose frames have not come, and those taken for lost that have.
-void ControlCycle::step_through(const TickLedger::Account& account) CARGOBAY_NONBLOCKING {
-  if (account.bytes_missing) sender_.doubt_hearing();
-  if (account.incomplete) sender_.see_missing();
-  loop_.lost(account.to_step, sender_.may_have_read(account.never_came));
-  if (account.lost < 0) loop_.came_after_all(-account.lost);
-  if (account.lost > 0) {
-    report({.what = EventKind::frames_lost, .frames = static_cast<std::uint32_t>(account.lost)},
-           ledger_.clock().ticks());
-  }
-  // A frame that is missing when a window ends may have taken most of the window's counts with it.
-  // A frame that was missing earlier, but came, has not.
-  const rt::TickClock& clock = ledger_.clock();
-  const bool may_lack = clock.in_doubt() || (sender_.ends_window() && clock.missing() > 0);
-  if (may_lack && receiver_.any_reads()) loop_.doubt_next_reading();
-  loop_.came_after_all(account.stepped_early);
-  if (ledger_.late()) ++counters_.overruns.wait;
-  if (!clock.in_phase()) loop_.sent_late();  // this concerns what was sent before
+const rt::Histogram& ControlCycle::period_ns() const { return pass_->outlets_.period_ns; }
+const rt::Histogram& ControlCycle::frame_to_command_ns() const {
+  return pass_->outlets_.frame_to_command_ns;
 }
-
-CycleState ControlCycle::state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING {
-  return {.tick = ledger_.clock().ticks(),
-          .arrival = arrival,
-          .estimate = loop_.estimate(),
-          .remainder = loop_.belief(),
-          .mode = mode_watch_.mode(),
-          .hazards = hazards_in(receiver_.values()),
-          .reading = receiver_.readings()[receiver_.readings().size() - 1],
-          .battery_mv = power_.battery().voltage_mv,
-          .bumps = bumps_,
-          .pose = odometry_.pose(),
-          .distance_mm = odometry_.distance_mm(),
-          .pose_covariance = odometry_.covariance()};
-}
-
-ControlCycle::Step ControlCycle::answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKING {
-  if (mode_watch_.state() == ModeWatch::State::driving) return control(state);
-  const bool known = mode_watch_.state() == ModeWatch::State::lost;
-  if (known && parameters_.on_mode_loss == OnModeLoss::end) return end(CycleEnd::mode_lost);
-  state.setpoint_lapsed = !control_.is_set();
-  return hold();
-}
-
-// Closes the loop for this tick, with one write.
-ControlCycle::Step ControlCycle::control(CycleState& state) CARGOBAY_NONBLOCKING {
-  const rt::TimePoint read = stream_.now();
-  if (read - state.arrival > CommandSender::kOwnWork) ++counters_.overruns.read;
-  state.setpoint_lapsed = !control_.is_set() && setpoint_lapsed(state.arrival);
-  state.target = wanted(state);
-  const rt::TimePoint decided = stream_.now();
-  if (control_.over_budget(decided - read)) ++counters_.overruns.user;
-  if (control_.too_many_overruns()) return end(CycleEnd::control_overrun);
-
-  state.command = loop_.control(state.target);
-  state.set = loop_.set();
-  const FrameList list = next_list();
-  const rt::WheelSpeeds former = sender_.acting();
-  const Sent sent = sender_.must_withhold(decided, ledger_)
-                        ? Sent::withheld
-                        : sender_.drive(state.command, list, moment(decided));
-  const rt::TimePoint written = stream_.now();
-  if (written - decided > CommandSender::kOwnWork) ++counters_.overruns.write;
-  outlets_.frame_to_command_ns.record(
-      static_cast<std::uint64_t>((written - state.arrival).count()));
-  if (sent == Sent::failed) return hung_up(sender_.port_error());
-  if (sent != Sent::whole) {
-    ++(sent == Sent::withheld ? counters_.withheld : counters_.unsent);
-    state.command = sender_.acting();
-    loop_.not_sent(state.command);
-  }
-  if (ledger_.late() && changes(former, sender_.acting())) loop_.sent_late();
-  return Step::on;
-}
-
-// The robot is not in its mode: it obeys no wheel command, and speeds asked for earlier no longer
-// count. Sends only lists, and the mode if that was requested.
-ControlCycle::Step ControlCycle::hold() CARGOBAY_NONBLOCKING {
-  loop_.stop();
-  setpoint_.drop();
-  const FrameList list = next_list();
-  std::optional<oi::Mode> mode;
-  if (mode_watch_.state() == ModeWatch::State::lost &&
-      rearm_requested_.exchange(false, std::memory_order_relaxed)) {
-    mode = parameters_.drive_mode;
-    mode_watch_.rearm();
-  }
-  return sender_.keep(list, mode, moment(woken_)) == Sent::failed ? hung_up(sender_.port_error())
-                                                                  : Step::on;
-}
-
-FrameList ControlCycle::next_list() CARGOBAY_NONBLOCKING {
-  using Counters = FrameRotation::Counters;
-  // A robot that loses the remainder is read rarely anyway; one that stands loses nothing.
-  const bool settled =
-      loop_.belief() == rt::RemainderBelief::carried || loop_.command() == rt::WheelSpeeds{};
-  const Counters counters = !loop_.next_reads() ? Counters::not_wanted
-                            : settled           ? Counters::welcome
-                                                : Counters::wanted;
-  std::optional<FrameList> search;
-  if (mode_watch_.state() == ModeWatch::State::searching) search = mode_watch_.wanted();
-  return sender_.next_list(counters, search);
-}
-
-CommandSender::Moment ControlCycle::moment(rt::TimePoint now) const CARGOBAY_NONBLOCKING {
-  return {.now = now,
-          .woken = woken_,
-          .frames_read = !receiver_.empty(),
-          .mode = mode_watch_.mode(),
-          .set_stands = loop_.set() == rt::WheelSpeeds{}};
-}
-
-rt::WheelSpeeds ControlCycle::wanted(const CycleState& state) CARGOBAY_NONBLOCKING {
-  if (control_.is_set()) return ask_control(state);
-  return state.setpoint_lapsed ? rt::WheelSpeeds{} : setpoint_.speeds();
-}
-
-rt::WheelSpeeds ControlCycle::ask_control(const CycleState& state) CARGOBAY_NONBLOCKING {
-  const UserControl::Answer answer = control_.ask(state);
-  if (answer.refused) ++counters_.refused;
-  if (answer.first) report(EventKind::control_refused);
-  return answer.speeds;
-}
-
-bool ControlCycle::setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING {
-  const Setpoint::Age age = setpoint_.see(now);
-  if (age == Setpoint::Age::lapses) report(EventKind::setpoint_lapsed);
-  return age != Setpoint::Age::alive;
-}
-
-// The deadline passed without a frame. The last command keeps acting; nothing is sent, so that no
-// tick gets two commands if the frame comes after all. Only a longer silence is answered, once,
-// with a stop: from there the wheels start again.
-ControlCycle::Step ControlCycle::deadline_passed() CARGOBAY_NONBLOCKING {
-  ++counters_.frames.late;
-  const rt::TimePoint now = stream_.now();
-  switch (silence_.deadline_passed(now, ledger_.last_arrival())) {
-    case Silence::Due::nothing: break;
-    case Silence::Due::stop: stop_in_silence(now); break;
-    case Silence::Due::link_lost: ledger_.close(now); return end(CycleEnd::link_lost);
-  }
-  return silence_.owes_stop() ? send_owed_stop(now) : Step::on;
-}
-
-// We assume that the last command was obeyed until now, and that none is from now on.
-void ControlCycle::stop_in_silence(rt::TimePoint now) CARGOBAY_NONBLOCKING {
-  silence_.owe_stop(mode_watch_.state() == ModeWatch::State::driving);
-  const int foreseen = ledger_.foresee(now);
-  if (foreseen > 0) loop_.lost(foreseen, true);
-  loop_.stop();
-  sender_.doubt_hearing();
-  report(EventKind::silence_began);
-}
-
-ControlCycle::Step ControlCycle::send_owed_stop(rt::TimePoint now) CARGOBAY_NONBLOCKING {
-  const Sent sent = sender_.drive({}, sender_.list(), moment(now));
-  silence_.owe_stop(sent == Sent::not_whole);
-  if (silence_.owes_stop()) ++counters_.unsent;
-  return sent == Sent::failed ? hung_up(sender_.port_error()) : Step::on;
-}
-
-void ControlCycle::stop_wheels() CARGOBAY_NONBLOCKING {
-  if (end_ == CycleEnd::hung_up || end_ == CycleEnd::guarded) return;  // farewell() tries
-  // In Passive the robot would not obey, and the command is reported to spoil the next start.
-  const bool obeys = mode_watch_.mode() == oi::Mode::safe || mode_watch_.mode() == oi::Mode::full;
-  if (mode_watch_.state() != ModeWatch::State::driving && !obeys) return;
-  // What fails here, farewell() tries again.
-  (void)sender_.drive({}, sender_.list(), moment(stream_.now()));
-}
+const FrameCounters& ControlCycle::frames() const { return pass_->counters_.frames; }
+std::uint64_t ControlCycle::unsent_commands() const { return pass_->counters_.unsent; }
+std::uint64_t ControlCycle::withheld_commands() const { return pass_->counters_.withheld; }
+const PhaseOverruns& ControlCycle::overruns() const { return pass_->counters_.overruns; }
+std::uint64_t ControlCycle::refused_controls() const { return pass_->counters_.refused; }
+std::size_t ControlCycle::owed_bytes() const { return pass_->sender_.owed_bytes(); }
+int ControlCycle::port_error() const { return pass_->sender_.port_error(); }
+oi::BitSet<Hazard> ControlCycle::mode_loss_causes() const { return pass_->mode_loss_causes_; }
 
 }  // namespace cargobay::hal

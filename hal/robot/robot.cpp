@@ -153,7 +153,7 @@ std::vector<rt::Memory> Robot::memory_of_loop() const {
     const std::size_t bytes = malloc_usable_size(const_cast<void*>(object));
     return rt::Memory{static_cast<const std::byte*>(object), bytes};
   };
-  std::vector<rt::Memory> memory{on_heap(this), on_heap(cycle_.get()),
+  std::vector<rt::Memory> memory{on_heap(this), on_heap(cycle_.get()), on_heap(cycle_->memory()),
                                  on_heap(dynamic_cast<const void*>(stream_.get())),
                                  recorder_.memory()};
   if (const Guard* const guard = duty_->guard()) memory.push_back(guard->memory());
