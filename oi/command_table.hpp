@@ -214,6 +214,7 @@ constexpr CommandIndex index_of(std::span<const CommandInfo> commands) {
 
 // The entry of a command that is known to exist.
 template <std::uint8_t kOpcode>
+// NOLINTNEXTLINE(readability-identifier-naming): a constant, though by reference
 inline constexpr const CommandInfo& kCommandInfo = kCommands[index_of(kCommands)[kOpcode]];
 
 // Whole length in bytes, opcode included, of the command that begins with these bytes; 0 while they

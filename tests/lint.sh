@@ -107,7 +107,10 @@ check_tidy() {
   else
     # Many sources at a time: most of the time goes into what they all include.
     build=build/tidy-unity
-    configure "$build" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 || return
+    configure "$build" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 \
+      -DCMAKE_DISABLE_PRECOMPILE_HEADERS=OFF || return
+    ninja -C "$build" -t targets all | sed -n 's/^\([^:]*cmake_pch\.hxx\.pch\):.*/\1/p' |
+      xargs ninja -C "$build" >> "$build.log" 2>&1 || { tail "$build.log"; return 1; }
     cp tests/.clang-tidy "$build/tests/"
   fi
   if (($#)); then

@@ -126,9 +126,9 @@ TEST(Recording, IsReadWhole) {
 }
 
 TEST(Recording, IsNoneWhereItHasNotTheMagic) {
-  EXPECT_TRUE(says(complaint_about({}), "no recording"));
-  EXPECT_TRUE(says(complaint_about({'h', 'e', 'l', 'l', 'o'}), "no recording"));
-  EXPECT_TRUE(says(complaint_about(Bytes(5000, 0)), "no recording"));
+  EXPECT_TRUE(says(complaint_about({}), "not a recording"));
+  EXPECT_TRUE(says(complaint_about({'h', 'e', 'l', 'l', 'o'}), "not a recording"));
+  EXPECT_TRUE(says(complaint_about(Bytes(5000, 0)), "not a recording"));
 }
 
 TEST(Recording, IsOfThisVersionOnly) {

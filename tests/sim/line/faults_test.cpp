@@ -285,7 +285,7 @@ TEST(Faults, SayWhatIsWrongWithACommand) {
                           "junk-reading 1 2",
                           "brown-out 3"}) {
     const std::string message = robot.fault(bad);
-    EXPECT_EQ(message.substr(0, 7), "the usage is '") << bad;
+    EXPECT_EQ(message.substr(0, 14), "the usage is '") << bad;
   }
   EXPECT_NE(robot.fault("earthquake").find("unknown fault 'earthquake'"), std::string::npos);
   EXPECT_NE(robot.fault("").find("brown-out"), std::string::npos);

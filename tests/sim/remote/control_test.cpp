@@ -217,7 +217,7 @@ TEST(Control, MakesThingsGoWrong) {
   EXPECT_EQ(robot.say("fault jitter 5\r"), "ok");
   EXPECT_EQ(robot.link.cable().faults_to_host().jitter, 5ms);
   EXPECT_EQ(robot.say("fault").substr(0, 7), "error: ");
-  EXPECT_EQ(robot.say("fault jitter").substr(0, 14), "error: the usage is '");
+  EXPECT_EQ(robot.say("fault jitter").substr(0, 21), "error: the usage is '");
 }
 
 TEST(Control, SaysWhatIsWrong) {
@@ -263,7 +263,7 @@ TEST(Control, SaysWhatIsWrong) {
                           "place 1 2 3 4",
                           "state now",
                           "help me"}) {
-    EXPECT_EQ(robot.say(bad).substr(0, 14), "error: the usage is '")
+    EXPECT_EQ(robot.say(bad).substr(0, 21), "error: the usage is '")
         << bad << ": " << robot.say(bad);
   }
   EXPECT_NE(robot.say("dance").find("unknown command 'dance'"), std::string::npos);
