@@ -1,0 +1,297 @@
+// Every field of a recording is written, read, and where it has always been.
+#include "hal/recording/recording_format.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/recording/flight_recorder.hpp"
+#include "hal/recording/recording.hpp"
+
+namespace cargobay::hal {
+namespace {
+
+using namespace std::chrono_literals;
+using Bytes = std::vector<std::uint8_t>;
+
+// Every field with a value of its own.
+RecordingHeader every_parameter() {
+  return {
+      .baud = 19200,
+      .started_ns = 1'800'000'000'000'000'001,
+      .software = "cargobay 1.2.3",
+      .note = "to and fro",
+      .parameters = {
+          .loop = {.estimator = {.wheel_base_mm = 257.5,
+                                 .tick_s = 0.0151,
+                                 .lag_s = 0.101,
+                                 .input_delay_s = 0.0026,
+                                 .speed_noise_mm_s = 2.1,
+                                 .droop_sd = 0.081,
+                                 .decision_log_odds = 7.1,
+                                 .remainder = rt::Remainder::lost},
+                   .controller = {.lag_s = 0.102,
+                                  .proportional = 0.31,
+                                  .integral_per_s = 4.1,
+                                  .max_command_mm_s = 499.0,
+                                  .tick_s = 0.0152},
+                   .schedule = {.window_ticks = 41,
+                                .least_window_ticks = 11,
+                                .probe_window_ticks = 12,
+                                .probe_reads = 13,
+                                .recheck_carried_ticks = 201,
+                                .recheck_lost_ticks = 1001},
+                   .limits = {.acceleration_mm_s2 = 999.0, .jerk_mm_s3 = 5000.0},
+                   .feedback = rt::WheelLoop::Feedback::open},
+          .drive_mode = oi::Mode::full,
+          .late_margin = 5001us,
+          .stop_after = 151ms,
+          .link_timeout = 1001ms,
+          .setpoint_lapse = 501ms,
+          .control_budget = 2001us,
+          .control_overruns_allowed = 9,
+          .on_mode_loss = OnModeLoss::hold,
+          .power = {
+              .low_mv = 13'201, .recovered_mv = 13'801, .low_part = 0.11, .recovered_part = 0.16}}};
+}
+
+CycleState every_state() {
+  return {.tick = -3,
+          .arrival = rt::TimePoint{4'999'999'700ns},
+          .target = {-0.0, 1e-300},
+          .set = {1.5, -2.5},
+          .estimate = {std::numeric_limits<double>::infinity(), 0.1},
+          .command = {100.0, 200.0},
+          .remainder = rt::RemainderBelief::lost,
+          .mode = oi::Mode{9},  // as sent, known or not
+          .setpoint_lapsed = true,
+          .battery_mv = -7};
+}
+
+Request every_request() {
+  return {.kind = Request::Kind::pose,
+          .when_long = Request::WhenLong::pause,
+          .extras = ExtraLists{5},
+          .size = 3,
+          .bytes = {141, 4, 2},
+          .pose = {.x_mm = 1.25, .y_mm = -2.75, .heading_rad = 3.5}};
+}
+
+constexpr std::array<std::uint8_t, 3> kFrame{19, 0, 237};
+constexpr std::array<std::uint8_t, 5> kCommand{145, 0, 100, 0, 200};
+
+Bytes every_kind() {
+  FlightRecorder recorder;
+  recorder.clock(rt::TimePoint{4'000'000'000ns});
+  recorder.waited(ByteStream::Wait::timed_out);
+  recorder.clock(rt::TimePoint{5'000'000'000ns});
+  recorder.read(kFrame, 11);
+  recorder.asked(every_request());
+  recorder.wrote(kCommand, {.count = 4, .error = 300});
+  recorder.state(every_state());
+  recorder.ended(CycleEnd::guard_lost);
+  Bytes file = encode(every_parameter());
+  FlightRecorder::Cursor cursor;
+  for (FlightRecorder::Block block; recorder.next(cursor, block);)
+    std::ranges::copy(encode(block), std::back_inserter(file));
+  return file;
+}
+
+// What version 1 has for these, since its first writer.
+constexpr std::string_view kEveryKind =
+    "434252450d0a1a0a0100f8000000004b00000100b49376e2fa180e00636172676f62617920312e322e330a00"
+    "746f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcc"
+    "cccccccc004023dbf97e6abcb43f6666666666661c4002e9263108ac1cba3fd7a3703d0ad7d33f6666666666"
+    "6610400000000000307f40c58f31772d218f3f290000000b0000000c0000000d000000c9000000e903000000"
+    "00000000388f40000000000088b3400103284f4c0000000000c013000900000000400caa3b0000000040a7dc"
+    "1d0000000068881e0000000000090000000191330000e9350000295c8fc2f528bc3f7b14ae47e17ac43f13de"
+    "0060060000000000000000000000000000000280d0acf30e1d78e9088a0000000100000000286bee00000000"
+    "0101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c0000000000000"
+    "0c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff000000000000008059f3f8c21f6e"
+    "a501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f00000000000059400000"
+    "0000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
+
+Bytes bytes_of(std::string_view hex) {
+  Bytes bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    std::uint8_t byte = 0;
+    (void)std::from_chars(hex.data() + i, hex.data() + i + 2, byte, 16);  // only digits
+    bytes.push_back(byte);
+  }
+  return bytes;
+}
+
+void expect_same(const CycleParameters& a, const CycleParameters& b) {
+  EXPECT_EQ(a.drive_mode, b.drive_mode);
+  EXPECT_EQ(a.late_margin, b.late_margin);
+  EXPECT_EQ(a.stop_after, b.stop_after);
+  EXPECT_EQ(a.link_timeout, b.link_timeout);
+  EXPECT_EQ(a.setpoint_lapse, b.setpoint_lapse);
+  EXPECT_EQ(a.control_budget, b.control_budget);
+  EXPECT_EQ(a.control_overruns_allowed, b.control_overruns_allowed);
+  EXPECT_EQ(a.on_mode_loss, b.on_mode_loss);
+  EXPECT_EQ(a.power.low_mv, b.power.low_mv);
+  EXPECT_EQ(a.power.recovered_mv, b.power.recovered_mv);
+  EXPECT_EQ(a.power.low_part, b.power.low_part);
+  EXPECT_EQ(a.power.recovered_part, b.power.recovered_part);
+}
+
+void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parameters& b) {
+  EXPECT_EQ(a.estimator.wheel_base_mm, b.estimator.wheel_base_mm);
+  EXPECT_EQ(a.estimator.tick_s, b.estimator.tick_s);
+  EXPECT_EQ(a.estimator.lag_s, b.estimator.lag_s);
+  EXPECT_EQ(a.estimator.input_delay_s, b.estimator.input_delay_s);
+  EXPECT_EQ(a.estimator.speed_noise_mm_s, b.estimator.speed_noise_mm_s);
+  EXPECT_EQ(a.estimator.droop_sd, b.estimator.droop_sd);
+  EXPECT_EQ(a.estimator.decision_log_odds, b.estimator.decision_log_odds);
+  EXPECT_EQ(a.estimator.remainder, b.estimator.remainder);
+  EXPECT_EQ(a.controller.lag_s, b.controller.lag_s);
+  EXPECT_EQ(a.controller.proportional, b.controller.proportional);
+  EXPECT_EQ(a.controller.integral_per_s, b.controller.integral_per_s);
+  EXPECT_EQ(a.controller.max_command_mm_s, b.controller.max_command_mm_s);
+  EXPECT_EQ(a.controller.tick_s, b.controller.tick_s);
+  EXPECT_EQ(a.schedule.window_ticks, b.schedule.window_ticks);
+  EXPECT_EQ(a.schedule.least_window_ticks, b.schedule.least_window_ticks);
+  EXPECT_EQ(a.schedule.probe_window_ticks, b.schedule.probe_window_ticks);
+  EXPECT_EQ(a.schedule.probe_reads, b.schedule.probe_reads);
+  EXPECT_EQ(a.schedule.recheck_carried_ticks, b.schedule.recheck_carried_ticks);
+  EXPECT_EQ(a.schedule.recheck_lost_ticks, b.schedule.recheck_lost_ticks);
+  EXPECT_EQ(a.limits.acceleration_mm_s2, b.limits.acceleration_mm_s2);
+  EXPECT_EQ(a.limits.jerk_mm_s3, b.limits.jerk_mm_s3);
+  EXPECT_EQ(a.feedback, b.feedback);
+}
+
+void expect_same(const CycleState& a, const CycleState& b) {
+  EXPECT_EQ(a.tick, b.tick);
+  EXPECT_EQ(a.arrival, b.arrival);
+  EXPECT_EQ(a.mode, b.mode);
+  EXPECT_EQ(a.remainder, b.remainder);
+  EXPECT_EQ(a.setpoint_lapsed, b.setpoint_lapsed);
+  EXPECT_EQ(a.battery_mv, b.battery_mv);
+  EXPECT_EQ(a.target, b.target);
+  EXPECT_TRUE(std::signbit(a.target.left_mm_s)) << "-0 is not 0";
+  EXPECT_EQ(a.set, b.set);
+  EXPECT_EQ(a.estimate, b.estimate);
+  EXPECT_EQ(a.command, b.command);
+}
+
+void expect_same(const Request& a, const Request& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.extras, b.extras);
+  EXPECT_EQ(a.when_long, b.when_long);
+  EXPECT_TRUE(std::ranges::equal(a.command(), b.command()));
+  EXPECT_EQ(a.pose.x_mm, b.pose.x_mm);
+  EXPECT_EQ(a.pose.y_mm, b.pose.y_mm);
+  EXPECT_EQ(a.pose.heading_rad, b.pose.heading_rad);
+}
+
+TEST(RecordingFormat, HasNotChangedByABit) { EXPECT_EQ(every_kind(), bytes_of(kEveryKind)); }
+
+TEST(RecordingFormat, GivesBackEveryParameter) {
+  const Bytes file = bytes_of(kEveryKind);
+  const auto decoded = decode_header(file);
+  ASSERT_TRUE(decoded);
+  const RecordingHeader& header = decoded->header;
+  const RecordingHeader expected = every_parameter();
+  EXPECT_EQ(header.baud, expected.baud);
+  EXPECT_EQ(header.started_ns, expected.started_ns);
+  EXPECT_EQ(header.software, expected.software);
+  EXPECT_EQ(header.note, expected.note);
+  expect_same(header.parameters, expected.parameters);
+  expect_same(header.parameters.loop, expected.parameters.loop);
+}
+
+TEST(RecordingFormat, GivesBackEveryEntry) {
+  const Bytes file = bytes_of(kEveryKind);
+  const auto recording = Recording::read(file);
+  ASSERT_TRUE(recording) << recording.failure().message;
+  std::vector<Entry> entries;
+  Entry entry;
+  for (EntryCursor cursor{recording->blocks()}; cursor.next(entry);) entries.push_back(entry);
+  ASSERT_EQ(entries.size(), 8U);
+  EXPECT_EQ(entries[0].time, rt::TimePoint{4s});
+  EXPECT_EQ(entries[1].wait, ByteStream::Wait::timed_out);
+  EXPECT_EQ(entries[2].time, rt::TimePoint{5s});
+  EXPECT_TRUE(std::ranges::equal(entries[3].bytes, kFrame));
+  EXPECT_EQ(entries[3].transfer.count, 3U);
+  EXPECT_EQ(entries[3].transfer.error, 11);
+  expect_same(entries[4].request, every_request());
+  EXPECT_TRUE(std::ranges::equal(entries[5].bytes, kCommand));
+  EXPECT_EQ(entries[5].transfer.count, 4U);
+  EXPECT_EQ(entries[5].transfer.error, 300);
+  expect_same(entries[6].state, every_state());
+  EXPECT_EQ(entries[7].end, CycleEnd::guard_lost);
+}
+
+// Just beyond each bound.
+TEST(RecordingFormat, RefusesWhatIsOutOfRange) {
+  const auto refused = [](const Bytes& entry) {
+    EntryReader reader{entry, rt::TimePoint{1s}};
+    Entry read;
+    return reader.next(read) == EntryReader::Outcome::malformed;
+  };
+  EXPECT_FALSE(refused({1, 2}));
+  EXPECT_TRUE(refused({0, 0})) << "a kind";
+  EXPECT_TRUE(refused({8, 0})) << "a kind";
+  EXPECT_TRUE(refused({1, 3})) << "an outcome";
+  EXPECT_FALSE(refused({6, 6}));
+  EXPECT_TRUE(refused({6, 7})) << "an end";
+  EXPECT_FALSE(refused({3, 0xFF, 0x1F, 0})) << "the last errno";
+  EXPECT_TRUE(refused({3, 0x80, 0x20, 0})) << "an errno";
+  EXPECT_FALSE(refused({4, 0, 1, 1, 9}));
+  EXPECT_TRUE(refused({4, 0, 2, 1, 9})) << "more taken than offered";
+  EXPECT_TRUE(refused({4, 0, 1, 2, 9})) << "more offered than there is";
+  Bytes transfer{3, 0, 0x81, 0x08};  // 1025 bytes
+  transfer.resize(2000);
+  EXPECT_TRUE(refused(transfer));
+  transfer[2] = 0x80;
+  EXPECT_FALSE(refused(transfer));
+  EXPECT_TRUE(refused({2, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x10})) << "a time";
+}
+
+TEST(RecordingFormat, RefusesARequestOutOfRange) {
+  const auto refused = [](Bytes start) {
+    start.resize(start.size() + 24 + start.back());  // a command and a pose
+    EntryReader reader{start, rt::TimePoint{1s}};
+    Entry read;
+    return reader.next(read) == EntryReader::Outcome::malformed;
+  };
+  EXPECT_FALSE(refused({7, 3, 7, 1, Request::kMostBytes}));
+  EXPECT_TRUE(refused({7, 4, 7, 1, 0})) << "a kind";
+  EXPECT_TRUE(refused({7, 3, 8, 1, 0})) << "a list";
+  EXPECT_TRUE(refused({7, 3, 7, 2, 0})) << "what to do if it is long";
+  EXPECT_TRUE(refused({7, 3, 7, 1, Request::kMostBytes + 1})) << "a length";
+}
+
+// A block ends before an entry that may not fit, not only before one that does not.
+TEST(RecordingFormat, LeavesRoomForTheLongestOfItsKind) {
+  const auto blocks_of = [](std::size_t filled, auto&& note) {
+    FlightRecorder recorder;
+    const Bytes bytes(filled / 2 - 4);  // each entry: its kind, errno, a length of two bytes
+    recorder.read(bytes, 0);
+    recorder.read(bytes, 0);
+    note(recorder);
+    recorder.ended(CycleEnd::asked);
+    FlightRecorder::Cursor cursor;
+    FlightRecorder::Block block;
+    EXPECT_TRUE(recorder.next(cursor, block));
+    return block.entries.size() > filled ? 1 : 2;
+  };
+  const auto state = [](FlightRecorder& recorder) { recorder.state({}); };
+  const auto asked = [](FlightRecorder& recorder) { recorder.asked({}); };
+  EXPECT_EQ(blocks_of(kMostBlockBytes - 90, state), 1);
+  EXPECT_EQ(blocks_of(kMostBlockBytes - 88, state), 2);
+  EXPECT_EQ(blocks_of(kMostBlockBytes - 140, asked), 1);
+  EXPECT_EQ(blocks_of(kMostBlockBytes - 138, asked), 2);
+}
+
+}  // namespace
+}  // namespace cargobay::hal
