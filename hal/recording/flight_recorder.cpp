@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::size_t kLeastBytes = std::size_t{64} << 10U;
 constexpr std::size_t kWordBytes = sizeof(std::uint64_t);
-constexpr std::size_t kMostShortBytes = 10;
 
 constexpr std::uint64_t words_of(std::uint64_t bytes) CARGOBAY_NONBLOCKING {
   return (bytes + kWordBytes - 1) / kWordBytes;
@@ -29,63 +28,49 @@ constexpr std::uint64_t length_of(std::uint64_t head) CARGOBAY_NONBLOCKING {
 FlightRecorder::FlightRecorder(std::size_t bytes)
     : words_(std::bit_ceil(std::max(bytes, kLeastBytes)) / kWordBytes), mask_{words_.size() - 1} {}
 
+// Any entry fits into an empty block.
+void FlightRecorder::note(EntryKind kind, const auto& fields, const auto&... values)
+    CARGOBAY_NONBLOCKING {
+  MostBytes most;
+  most.raw(kind);
+  fields(most, values...);
+  if (entries_.size() + most.count() > kMostBlockBytes) close_block();
+  ByteWriter out{[this](const auto& bytes) {  // of constant size, most of them
+    [[maybe_unused]] const bool fit = entries_.append(bytes);
+    assert(fit);
+  }};
+  out.raw(kind);
+  fields(out, values...);
+}
+
 void FlightRecorder::waited(ByteStream::Wait outcome) CARGOBAY_NONBLOCKING {
   close_block();
-  begin(EntryKind::waited, 1);
-  put(static_cast<std::uint8_t>(outcome));
+  note(EntryKind::waited, kWaitedFields, outcome);
 }
 
 void FlightRecorder::clock(rt::TimePoint now) CARGOBAY_NONBLOCKING {
-  begin(EntryKind::clock, kMostShortBytes);
-  put_short(static_cast<std::uint64_t>((now - time_).count()));
+  note(EntryKind::clock, kClockFields, (now - time_).count());
   time_ = now;
 }
 
 void FlightRecorder::read(std::span<const std::uint8_t> bytes, int error) CARGOBAY_NONBLOCKING {
   assert(bytes.size() <= kMostTransferBytes);
-  begin(EntryKind::read, 2 * kMostShortBytes + bytes.size());
-  put_short(static_cast<std::uint32_t>(error));
-  put_short(bytes.size());
-  put(bytes);
+  note(EntryKind::read, kReadFields, error, bytes);
 }
 
 void FlightRecorder::wrote(std::span<const std::uint8_t> offered, ByteStream::Transfer transfer)
     CARGOBAY_NONBLOCKING {
   assert(offered.size() <= kMostTransferBytes);
-  begin(EntryKind::wrote, 3 * kMostShortBytes + offered.size());
-  put_short(static_cast<std::uint32_t>(transfer.error));
-  put_short(transfer.count);
-  put_short(offered.size());
-  put(offered);
+  note(EntryKind::wrote, kWroteFields, transfer, offered);
 }
 
 void FlightRecorder::state(const CycleState& state) CARGOBAY_NONBLOCKING {
-  constexpr std::size_t kMostBytes = kMostShortBytes + 15 + 4 * 2 * sizeof(double);
-  begin(EntryKind::state, kMostBytes);
-  put_short(static_cast<std::uint64_t>((time_ - state.arrival).count()));
-  put(little_endian(static_cast<std::uint64_t>(state.tick)));
-  put(static_cast<std::uint8_t>(state.mode));
-  put(static_cast<std::uint8_t>(state.remainder));
-  put(static_cast<std::uint8_t>(state.setpoint_lapsed ? 1 : 0));
-  put(little_endian(static_cast<std::uint32_t>(state.battery_mv)));
-  put(state.target);
-  put(state.set);
-  put(state.estimate);
-  put(state.command);
+  note(EntryKind::state, kStateFields, state, (time_ - state.arrival).count());
   close_block();
 }
 
 void FlightRecorder::asked(const Request& request) CARGOBAY_NONBLOCKING {
-  constexpr std::size_t kMostBytes = 3 + kMostShortBytes + Request::kMostBytes + 3 * sizeof(double);
-  begin(EntryKind::asked, kMostBytes);
-  put(static_cast<std::uint8_t>(request.kind));
-  put(request.extras.raw());
-  put(static_cast<std::uint8_t>(request.when_long));
-  put_short(request.size);
-  put(request.command());
-  put(request.pose.x_mm);
-  put(request.pose.y_mm);
-  put(request.pose.heading_rad);
+  note(EntryKind::asked, kAskedFields, request);
 }
 
 StateObserver FlightRecorder::observer() {
@@ -99,38 +84,8 @@ StateObserver FlightRecorder::observer() {
 }
 
 void FlightRecorder::ended(CycleEnd end) CARGOBAY_NONBLOCKING {
-  begin(EntryKind::ended, 1);
-  put(static_cast<std::uint8_t>(end));
+  note(EntryKind::ended, kEndedFields, end);
   close_block();
-}
-
-// Any entry fits into an empty block.
-void FlightRecorder::begin(EntryKind kind, std::size_t most_bytes) CARGOBAY_NONBLOCKING {
-  if (entries_.size() + 1 + most_bytes > kMostBlockBytes) close_block();
-  put(static_cast<std::uint8_t>(kind));
-}
-
-void FlightRecorder::put(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING {
-  [[maybe_unused]] const bool fits = entries_.append(bytes);
-  assert(fits);  // begin() made room
-}
-
-void FlightRecorder::put(std::uint8_t byte) CARGOBAY_NONBLOCKING { put({&byte, 1}); }
-
-void FlightRecorder::put_short(std::uint64_t value) CARGOBAY_NONBLOCKING {
-  for (std::size_t i = 1; i < kMostShortBytes && value >= 0x80; ++i, value >>= 7U) {
-    put(static_cast<std::uint8_t>(value | 0x80U));
-  }
-  put(static_cast<std::uint8_t>(value));
-}
-
-void FlightRecorder::put(double value) CARGOBAY_NONBLOCKING {
-  put(little_endian(std::bit_cast<std::uint64_t>(value)));
-}
-
-void FlightRecorder::put(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
-  put(speeds.left_mm_s);
-  put(speeds.right_mm_s);
 }
 
 void FlightRecorder::close_block() CARGOBAY_NONBLOCKING {

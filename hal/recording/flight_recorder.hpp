@@ -65,12 +65,8 @@ class FlightRecorder {
  private:
   static constexpr std::uint64_t kHeadWords = 2;  // number and length, time
 
-  void begin(EntryKind kind, std::size_t most_bytes) CARGOBAY_NONBLOCKING;
-  void put(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING;
-  void put(std::uint8_t byte) CARGOBAY_NONBLOCKING;
-  void put_short(std::uint64_t value) CARGOBAY_NONBLOCKING;
-  void put(double value) CARGOBAY_NONBLOCKING;
-  void put(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
+  // An entry of this kind, made from its list of fields in hal/recording/recording_format.hpp.
+  void note(EntryKind kind, const auto& fields, const auto&... values) CARGOBAY_NONBLOCKING;
   void close_block() CARGOBAY_NONBLOCKING;
   void make_room(std::uint64_t words) CARGOBAY_NONBLOCKING;
 

@@ -39,9 +39,7 @@ class EntryReader {
   Outcome next(Entry& entry);
 
  private:
-  bool take(Entry& entry);
-  bool take_clock();
-  bool take_state(CycleState& state);
+  void take(Entry& entry);
 
   ByteReader in_;
   rt::TimePoint time_;

@@ -3,34 +3,23 @@
 //
 //   file    header, then blocks up to the end
 //   header  magic(8) version(2) length of the rest(4) rest CRC-32(4)
-//           rest: baud(4) start, since 1970 UTC(8) software(text) note(text) the parameters of the
-//           control cycle, in the order of hal/recording/recording_header.cpp
-//           text: length(2) UTF-8
+//           rest: the fields in hal/recording/recording_header.cpp
 //   block   length of the entries(4) number(4) time(8) entries CRC-32(4)
 //           number: from 0, one more for each; if one is missing, the recording has a gap
 //           time: what the clock last said before the block; only differences mean anything
-//   entry   kind(1) and
-//           waited  outcome(1): 0 ready, 1 timed out, 2 hung up
-//           clock   nanoseconds since the clock was last asked(n)
-//           read    errno(n) count(n) the bytes that had arrived
-//           wrote   errno(n) bytes taken(n) bytes offered(n) the bytes offered
-//           state   nanoseconds since its arrival(n) tick(8) mode(1) remainder(1) lapsed(1)
-//                   battery in mV(4) target, set, estimate, command: left and right(8 each), IEEE
-//           ended   why(1), as enum class CycleEnd
-//           asked   for what(1), which extra lists(1), what if long(1): hal/cycle/request.hpp;
-//                   count(n) the bytes of a command; x, y, heading(8 each, IEEE)
-//           (n): unsigned, seven bits a byte, the least first, the top bit set in all but the last
+//   entry   kind(1), then the fields listed below, as hal/recording/byte_archive.hpp puts them
 //
 // A CRC-32 is that of Ethernet and zip, over everything before it in its header or block.
 #pragma once
 
 #include <array>
-#include <bit>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "hal/cycle/cycle_state.hpp"
+#include "hal/recording/byte_archive.hpp"
+#include "hal/stream/byte_stream.hpp"
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::hal {
@@ -44,73 +33,69 @@ inline constexpr std::size_t kBlockHeadBytes = 16;
 inline constexpr std::size_t kMostBlockBytes = 2048;     // of its entries
 inline constexpr std::size_t kMostTransferBytes = 1024;  // of one read or write
 inline constexpr std::size_t kChecksumBytes = 4;
+inline constexpr int kMostErrno = 4095;  // the kernel's bound
+// Beyond any machine's uptime, and far from where sums of times overflow.
+inline constexpr std::int64_t kMostTime = std::int64_t{1} << 60U;
+
+inline constexpr auto kCrcTable = [] {
+  constexpr std::uint32_t kPolynomial = 0xEDB88320;
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < table.size(); ++i) {
+    table[i] = i;
+    for (int bit = 0; bit < 8; ++bit)
+      table[i] = table[i] >> 1 ^ (table[i] % 2 == 1 ? kPolynomial : 0);
+  }
+  return table;
+}();
+// CRC-32 of these bytes; `before` is that of what precedes them.
+constexpr std::uint32_t crc32(std::span<const std::uint8_t> bytes,
+                              std::uint32_t before = 0) noexcept {
+  std::uint32_t crc = ~before;
+  for (const std::uint8_t byte : bytes) crc = crc >> 8 ^ kCrcTable[(crc ^ byte) & 0xFF];
+  return ~crc;
+}
 
 enum class EntryKind : std::uint8_t { waited = 1, clock, read, wrote, state, ended, asked };
 
-// CRC-32 of these bytes; `before` is that of what precedes them.
-std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t before = 0) noexcept;
-
-template <std::unsigned_integral T>
-constexpr std::array<std::uint8_t, sizeof(T)> little_endian(T value) CARGOBAY_NONBLOCKING {
-  std::array<std::uint8_t, sizeof(T)> bytes{};
-  for (std::size_t i = 0; i < sizeof(T); ++i) bytes[i] = static_cast<std::uint8_t>(value >> 8 * i);
-  return bytes;
-}
-
-// Takes values from the front of some bytes. Each function returns false, with nothing to rely on,
-// if too few bytes are left or their value is impossible.
-class ByteReader {
- public:
-  explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_{bytes} {}
-
-  std::span<const std::uint8_t> rest() const { return rest_; }
-
-  template <std::unsigned_integral T>
-  [[nodiscard]] bool take(T& value) {
-    std::span<const std::uint8_t> bytes;
-    if (!take(sizeof(T), bytes)) return false;
-    value = 0;
-    for (std::size_t i = 0; i < sizeof(T); ++i)
-      value = static_cast<T>(value | static_cast<T>(static_cast<T>(bytes[i]) << 8 * i));
-    return true;
-  }
-  [[nodiscard]] bool take(std::int32_t& value) { return take_as<std::uint32_t>(value); }
-  [[nodiscard]] bool take(std::int64_t& value) { return take_as<std::uint64_t>(value); }
-  [[nodiscard]] bool take(double& value) { return take_as<std::uint64_t>(value); }
-  [[nodiscard]] bool take(bool& value) {
-    std::uint8_t byte = 0;
-    if (!take(byte) || byte > 1) return false;
-    value = byte == 1;
-    return true;
-  }
-  // An enumerator from 0 to `last`.
-  template <typename T>
-    requires std::is_enum_v<T>
-  [[nodiscard]] bool take(T& value, T last) {
-    std::uint8_t byte = 0;
-    if (!take(byte) || byte > static_cast<std::uint8_t>(last)) return false;
-    value = static_cast<T>(byte);
-    return true;
-  }
-  [[nodiscard]] bool take(std::size_t count, std::span<const std::uint8_t>& bytes) {
-    if (count > rest_.size()) return false;
-    bytes = rest_.first(count);
-    rest_ = rest_.subspan(count);
-    return true;
-  }
-  // A number of the form (n).
-  [[nodiscard]] bool take_short(std::uint64_t& value);
-
- private:
-  template <typename Bits, typename T>
-  bool take_as(T& value) {
-    Bits bits = 0;
-    if (!take(bits)) return false;
-    value = std::bit_cast<T>(bits);
-    return true;
-  }
-
-  std::span<const std::uint8_t> rest_;
+// The fields of each kind of entry, in their order. The recorder writes what is listed here, by one
+// archive, and a recording is read by another.
+inline constexpr auto kWaitedFields = [](auto& io, auto& outcome) {
+  io.up_to(outcome, ByteStream::Wait::hung_up);
+};
+inline constexpr auto kClockFields = [](auto& io, auto& ns_since_asked) {
+  io.number(ns_since_asked, kMostTime);
+};
+inline constexpr auto kReadFields = [](auto& io, auto& error, auto& arrived) {
+  io.number(error, kMostErrno);
+  io.bytes(arrived, kMostTransferBytes);
+};
+inline constexpr auto kWroteFields = [](auto& io, auto& transfer, auto& offered) {
+  io.number(transfer.error, kMostErrno);
+  io.number(transfer.count, kMostTransferBytes);
+  io.bytes(offered, kMostTransferBytes);
+  io.require(transfer.count <= offered.size());
+};
+inline constexpr auto kStateFields = [](auto& io, auto& state, auto& ns_since_arrival) {
+  io.number(ns_since_arrival, kMostTime);
+  io.raw(state.tick);
+  io.require(state.tick >= -kMostTime && state.tick <= kMostTime);
+  io.raw(state.mode);  // as the robot sent it, known or not
+  io.up_to(state.remainder, rt::RemainderBelief::lost);
+  io.up_to(state.setpoint_lapsed, true);
+  io.raw(state.battery_mv);
+  for (auto* speeds : {&state.target, &state.set, &state.estimate, &state.command})
+    io.raw(speeds->left_mm_s, speeds->right_mm_s);
+};
+inline constexpr auto kEndedFields = [](auto& io, auto& end) {
+  io.up_to(end, CycleEnd::guard_lost);
+};
+inline constexpr auto kAskedFields = [](auto& io, auto& request) {
+  io.up_to(request.kind, Request::Kind::pose);
+  io.raw(request.extras);
+  io.require(request.extras.raw() <= kAllExtraLists.raw());
+  io.up_to(request.when_long, Request::WhenLong::pause);
+  io.list(request.bytes, request.size);
+  io.raw(request.pose.x_mm, request.pose.y_mm, request.pose.heading_rad);
 };
 
 }  // namespace cargobay::hal

@@ -48,8 +48,8 @@ TEST(ByteReader, TakesShortNumbersStrictly) {
   const auto taken = [](const Bytes& bytes) -> std::optional<std::uint64_t> {
     ByteReader in{bytes};
     std::uint64_t value = 0;
-    if (!in.take_short(value)) return std::nullopt;
-    return value;
+    in.number(value, ~0ULL);
+    return in.sound() ? std::optional{value} : std::nullopt;
   };
   EXPECT_EQ(taken({0x00}), 0U);
   EXPECT_EQ(taken({0x7F}), 127U);
