@@ -9,9 +9,9 @@
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/packet_list.hpp"
 #include "hal/cli/terminal/print.hpp"
-#include "hal/cli/terminal/words.hpp"
 #include "oi/command_table.hpp"
 #include "oi/dialect.hpp"
 #include "oi/limits.hpp"
@@ -45,7 +45,7 @@ hal::Result<Bytes> bytes_of(const CLI::App& command, const DecodeOptions& option
     if (!raw) return raw.failure();
     return Bytes(raw->begin(), raw->end());
   }
-  const auto text = joined_words(command);
+  const auto text = joined_operands(command);
   if (!text) return text.failure();
   return read_bytes(*text, options.decimal ? Base::decimal : Base::hexadecimal);
 }
@@ -131,9 +131,10 @@ void add_decode(CLI::App& app, Action& chosen) {
       "decode",
       "Say what each byte means: in commands to the robot, in the robot's stream, or in a "
       "reply.\nExit status 1 if bytes are missing, wrong or unknown.");
-  take_words(*command, "[HEX...]",
-             "bytes in any usual spelling: 89 ff, 0x89, 89FF38. Without HEX, or with '-': standard "
-             "input.");
+  take_operands(
+      *command, "[HEX...]",
+      "bytes in any usual spelling: 89 ff, 0x89, 89FF38. Without HEX, or with '-': standard "
+      "input.");
   command
       ->add_option("--from", options->from,
                    "Who sends the bytes: host (or: command) or robot (or: stream); by default "

@@ -8,14 +8,14 @@
 
 #include "hal/cli/commands.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/print.hpp"
-#include "hal/cli/terminal/words.hpp"
 
 namespace cargobay::cli {
 namespace {
 
 int encode(const CLI::App& command, bool binary) {
-  const auto text = joined_words(command);
+  const auto text = joined_operands(command);
   if (!text) {
     print_error(text.failure().message);
     return kFailure;
@@ -42,9 +42,9 @@ void add_encode(CLI::App& app, Action& chosen) {
   auto binary = std::make_shared<bool>(false);
   CLI::App* command =
       app.add_subcommand("encode", "Print the bytes of Open Interface commands, in hexadecimal.");
-  take_words(*command, "TEXT...",
-             "the manual's command names in lower case with underscores, arguments left before "
-             "right,\ncommands separated by ';'. Without TEXT, or with '-': standard input.");
+  take_operands(*command, "TEXT...",
+                "the manual's command names in lower case with underscores, arguments left before "
+                "right,\ncommands separated by ';'. Without TEXT, or with '-': standard input.");
   command->add_flag("--binary", *binary, "Write the raw bytes instead");
   command->footer(
       "Examples:\n"

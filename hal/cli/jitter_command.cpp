@@ -22,10 +22,10 @@
 #include "hal/cli/jitter/jitter_table.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/in_range.hpp"
+#include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
-#include "hal/cli/terminal/words.hpp"
 #include "hal/jitter/run.hpp"
 #include "hal/sim/remote/virtual_create.hpp"
 

@@ -17,11 +17,11 @@
 #include "hal/cli/send_plan.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/in_range.hpp"
+#include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/sensor_format.hpp"
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/terminal/standard_streams.hpp"
-#include "hal/cli/terminal/words.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/guard/farewell.hpp"
 #include "oi/dialect.hpp"
@@ -291,7 +291,7 @@ int send(const CLI::App& command, const SendOptions& options) {
   const auto config = configuration(options.connection);
   if (!config) return fail(config.failure());
   if (!has_port(*config)) return kUsageError;
-  const auto text = joined_words(command);
+  const auto text = joined_operands(command);
   if (!text) return fail(text.failure());
   const auto bytes = encode_or_explain(*text);
   if (!bytes) return kFailure;
@@ -318,8 +318,8 @@ void add_send(CLI::App& app, Action& chosen) {
       "Send Open Interface commands to a robot and print what it answers: sensor values, stored\n"
       "script, stream frames, text. If they start the wheels it stays until Ctrl-C, then stops "
       "them.");
-  take_words(*command, "TEXT...",
-             "commands as for `cargobay encode`. Without TEXT, or with '-': standard input.");
+  take_operands(*command, "TEXT...",
+                "commands as for `cargobay encode`. Without TEXT, or with '-': standard input.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--listen", options->listen_s,

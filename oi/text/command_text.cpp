@@ -6,11 +6,11 @@
 #include "oi/commands.hpp"
 #include "oi/dialect.hpp"
 #include "oi/text/argument_names.hpp"
+#include "oi/text/command_lexer.hpp"
 #include "oi/text/nearest_name.hpp"
 #include "oi/text/song.hpp"
 #include "oi/text/text_number.hpp"
 #include "oi/text/text_slice.hpp"
-#include "oi/text/text_words.hpp"
 
 namespace cargobay::oi {
 namespace {
@@ -30,23 +30,23 @@ std::int32_t with_sign(const ArgumentInfo& argument, std::int32_t number, bool h
 
 class Encoder {
  public:
-  Encoder(std::string_view text, std::span<std::uint8_t> out) : words_{text}, out_{out} {}
+  Encoder(std::string_view text, std::span<std::uint8_t> out) : lexer_{text}, out_{out} {}
 
   TextResult run() {
     advance();
-    if (commands(nullptr) && word_.kind == Word::Kind::close) (void)fail(Code::stray_brace, word_);
+    if (commands(nullptr) && word_.kind == Token::Kind::close) (void)fail(Code::stray_brace, word_);
     return error_ ? TextResult{.error = error_} : TextResult{.bytes = size_};
   }
 
  private:
-  void advance() { word_ = words_.next(); }
-  Word take() {
-    const Word word = word_;
+  void advance() { word_ = lexer_.next(); }
+  Token take() {
+    const Token word = word_;
     advance();
     return word;
   }
 
-  bool fail(Code code, const Word& at, const CommandInfo* command = nullptr,
+  bool fail(Code code, const Token& at, const CommandInfo* command = nullptr,
             const ArgumentInfo* argument = nullptr, std::size_t limit = 0) {
     error_ = TextError{.code = code,
                        .position = at.position,
@@ -62,12 +62,12 @@ class Encoder {
     return false;
   }
 
-  bool put(std::uint8_t byte, const Word& at) {
+  bool put(std::uint8_t byte, const Token& at) {
     if (size_ == out_.size()) return fail(Code::output_full, at, nullptr, nullptr, out_.size());
     out_[size_++] = byte;
     return true;
   }
-  bool put_number(const ArgumentInfo& argument, std::int32_t value, const Word& at) {
+  bool put_number(const ArgumentInfo& argument, std::int32_t value, const Token& at) {
     const auto raw = static_cast<std::uint32_t>(value);
     if (argument.size == 2 && !put(static_cast<std::uint8_t>(raw >> 8U), at)) return false;
     return put(static_cast<std::uint8_t>(raw), at);
@@ -77,17 +77,17 @@ class Encoder {
   bool commands(const CommandInfo* around) {
     const std::size_t begin = size_;
     for (;;) {
-      while (word_.kind == Word::Kind::separator) advance();
-      if (word_.kind == Word::Kind::open) return fail(Code::stray_brace, word_);
-      if (word_.kind != Word::Kind::word) return true;
-      const Word key = take();
+      while (word_.kind == Token::Kind::separator) advance();
+      if (word_.kind == Token::Kind::open) return fail(Code::stray_brace, word_);
+      if (word_.kind != Token::Kind::word) return true;
+      const Token key = take();
       if (!command(key, around)) return false;
       if (around != nullptr && size_ - begin > kMaxScriptBytes)
         return fail(Code::script_too_long, key, around, nullptr, kMaxScriptBytes);
     }
   }
 
-  bool command(const Word& key, const CommandInfo* around) {
+  bool command(const Token& key, const CommandInfo* around) {
     if (key.text == kRawBytesKey)
       return around == nullptr ? fail(Code::bytes_outside, key) : raw_bytes();
     const CommandInfo* info = kCreate.find_command(key.text);
@@ -97,11 +97,11 @@ class Encoder {
             ? (around == nullptr ? script(key, *info) : fail(Code::nested_script, key, info))
             : plain(key, *info);
     if (!whole) return false;
-    if (word_.kind == Word::Kind::word) return fail(Code::extra_argument, word_, info);
-    return word_.kind != Word::Kind::open || fail(Code::stray_brace, word_, info);
+    if (word_.kind == Token::Kind::word) return fail(Code::extra_argument, word_, info);
+    return word_.kind != Token::Kind::open || fail(Code::stray_brace, word_, info);
   }
 
-  bool unknown(const Word& key) {
+  bool unknown(const Token& key) {
     NearestName nearest{key.text};
     for (const CommandInfo& info : kCommands) nearest.consider(info.key);
     return fail_with_hint(
@@ -109,13 +109,13 @@ class Encoder {
         nearest.name());
   }
 
-  bool plain(const Word& key, const CommandInfo& info) {
+  bool plain(const Token& key, const CommandInfo& info) {
     const std::size_t count = info.argument_count - (info.tail == Tail::none ? 0U : 1U);
     std::array<std::int32_t, 4> values{};
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t place = wire_place(info, i);
       const ArgumentInfo& argument = info.argument_slots[place];
-      if (word_.kind != Word::Kind::word) return missing(info, argument);
+      if (word_.kind != Token::Kind::word) return missing(info, argument);
       if (!value(info, argument, take(), values[place])) return false;
     }
     if (!put(info.opcode, key)) return false;
@@ -129,16 +129,16 @@ class Encoder {
     return fail(Code::missing_argument, {word_.kind, {}, word_.position}, &info, &argument);
   }
 
-  bool elements(const Word& key, const CommandInfo& info) {
+  bool elements(const Token& key, const CommandInfo& info) {
     const std::size_t count_at = size_;
     if (!put(0, key)) return false;
     count_ = 0;
-    if (info.tail == Tail::packet_ids && word_.kind == Word::Kind::word && word_.text == kNone) {
+    if (info.tail == Tail::packet_ids && word_.kind == Token::Kind::word && word_.text == kNone) {
       advance();
       return true;
     }
-    while (word_.kind == Word::Kind::word) {
-      const Word word = take();
+    while (word_.kind == Token::Kind::word) {
+      const Token word = take();
       if (!(info.tail == Tail::notes ? note(info, word) : packets(info, word))) return false;
     }
     if (count_ == 0) return missing(info, element_arguments(info.tail)[0]);
@@ -146,23 +146,23 @@ class Encoder {
     return true;
   }
 
-  bool one_more(const CommandInfo& info, const Word& word) {
+  bool one_more(const CommandInfo& info, const Token& word) {
     const auto most = static_cast<std::size_t>(info.arguments().back().max);
     if (count_ == most) return fail(Code::too_many, word, &info, &info.arguments().back(), most);
     ++count_;
     return true;
   }
 
-  bool element_value(const CommandInfo& info, const ArgumentInfo& argument, const Word& word) {
+  bool element_value(const CommandInfo& info, const ArgumentInfo& argument, const Token& word) {
     std::int32_t number = 0;
     return value(info, argument, word, number) && put_number(argument, number, word);
   }
 
   // One packet, or several separated by commas.
-  bool packets(const CommandInfo& info, const Word& word) {
+  bool packets(const CommandInfo& info, const Token& word) {
     for (std::size_t begin = 0; begin < word.text.size();) {
       const std::size_t comma = std::min(word.text.find(',', begin), word.text.size());
-      const Word part = word.part(begin, comma - begin);
+      const Token part = word.part(begin, comma - begin);
       if (!one_more(info, part)) return false;
       if (!element_value(info, element_arguments(info.tail)[0], part)) return false;
       begin = comma + 1;
@@ -170,18 +170,18 @@ class Encoder {
     return true;
   }
 
-  bool note(const CommandInfo& info, const Word& word) {
+  bool note(const CommandInfo& info, const Token& word) {
     const std::size_t colon = word.text.find(':');
     const std::span<const ArgumentInfo> arguments = element_arguments(info.tail);
     if (colon == std::string_view::npos) return fail(Code::bad_note, word, &info);
     if (!one_more(info, word)) return false;
-    const Word pitch = word.part(0, colon);
+    const Token pitch = word.part(0, colon);
     const std::optional<std::uint8_t> named = find_note(pitch.text);
     return (named ? put(*named, pitch) : element_value(info, arguments[0], pitch)) &&
            element_value(info, arguments[1], word.part(colon + 1, std::string_view::npos));
   }
 
-  bool value(const CommandInfo& info, const ArgumentInfo& argument, const Word& word,
+  bool value(const CommandInfo& info, const ArgumentInfo& argument, const Token& word,
              std::int32_t& out) {
     if (is_bit_set(argument) && bits(argument, word.text, out)) return true;
     if (const auto named = named_value(argument, word.text); named && !is_bit_set(argument)) {
@@ -207,7 +207,7 @@ class Encoder {
     return true;
   }
 
-  bool bad_value(const CommandInfo& info, const ArgumentInfo& argument, const Word& word) {
+  bool bad_value(const CommandInfo& info, const ArgumentInfo& argument, const Token& word) {
     NearestName nearest{word.text};
     // A rate is digits: none of them resembles a word.
     if (argument.name != "code") {
@@ -221,14 +221,14 @@ class Encoder {
                           nearest.name());
   }
 
-  bool script(const Word& key, const CommandInfo& info) {
-    if (word_.kind != Word::Kind::open)
+  bool script(const Token& key, const CommandInfo& info) {
+    if (word_.kind != Token::Kind::open)
       return fail(Code::no_script, {word_.kind, {}, word_.position}, &info);
-    const Word brace = take();
+    const Token brace = take();
     if (!put(info.opcode, key) || !put(0, key)) return false;
     const std::size_t begin = size_;
     if (!commands(&info)) return false;
-    if (word_.kind != Word::Kind::close) return fail(Code::open_script, brace, &info);
+    if (word_.kind != Token::Kind::close) return fail(Code::open_script, brace, &info);
     advance();
     out_[begin - 1] = static_cast<std::uint8_t>(size_ - begin);
     return true;
@@ -237,15 +237,15 @@ class Encoder {
   bool raw_bytes() {
     const CommandInfo& info = kCommandInfo<Script::kOpcode>;
     const ArgumentInfo& byte = element_arguments(info.tail)[0];
-    if (word_.kind != Word::Kind::word) return missing(info, byte);
-    while (word_.kind == Word::Kind::word) {
+    if (word_.kind != Token::Kind::word) return missing(info, byte);
+    while (word_.kind == Token::Kind::word) {
       if (!element_value(info, byte, take())) return false;
     }
     return true;
   }
 
-  TextWords words_;
-  Word word_{};  // the next one
+  CommandLexer lexer_;
+  Token word_{};  // the next one
   std::span<std::uint8_t> out_;
   std::size_t size_ = 0;
   std::size_t count_ = 0;  // elements of the tail so far

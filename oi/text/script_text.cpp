@@ -6,9 +6,9 @@
 #include "oi/command_table.hpp"
 #include "oi/parse.hpp"
 #include "oi/text/argument_names.hpp"
+#include "oi/text/command_lexer.hpp"
 #include "oi/text/text_number.hpp"
 #include "oi/text/text_slice.hpp"
-#include "oi/text/text_words.hpp"
 #include "oi/text/text_writer.hpp"
 
 namespace cargobay::oi {
@@ -21,9 +21,9 @@ class Compiler {
   explicit Compiler(std::string_view text) : text_{text} {}
 
   bool compile() {
-    TextWords words{text_};
-    for (Word word = words.next(); word.kind != Word::Kind::end; word = words.next()) {
-      if (word.kind != Word::Kind::separator && !command(words, word)) return false;
+    CommandLexer lexer{text_};
+    for (Token word = lexer.next(); word.kind != Token::Kind::end; word = lexer.next()) {
+      if (word.kind != Token::Kind::separator && !command(lexer, word)) return false;
     }
     if (!overflow_) return true;
     error_.excess = size_ - kMaxScriptBytes;
@@ -42,13 +42,13 @@ class Compiler {
   }
 
   // Takes the words from the first one to the separator.
-  bool command(TextWords& words, const Word& first) {
-    if (first.text == kRawBytesKey) return bytes(words, first);
+  bool command(CommandLexer& lexer, const Token& first) {
+    if (first.text == kRawBytesKey) return bytes(lexer, first);
     if (first.text == kCommandInfo<Script::kOpcode>.key) {
       return fail(Wrong::nested_script, first.position);
     }
-    Word last = first;
-    for (Word word = words.next(); in_command(word); word = words.next()) last = word;
+    Token last = first;
+    for (Token word = lexer.next(); in_command(word); word = lexer.next()) last = word;
     const std::size_t end = last.position + last.text.size();
     std::array<std::uint8_t, kMaxCommandBytes> encoded{};
     TextResult result = encode_text(slice(text_, first.position, end - first.position), encoded);
@@ -60,14 +60,14 @@ class Compiler {
     append(first.position, std::span{encoded}.first(result.bytes));
     return true;
   }
-  static bool in_command(const Word& word) {
-    return word.kind != Word::Kind::separator && word.kind != Word::Kind::end;
+  static bool in_command(const Token& word) {
+    return word.kind != Token::Kind::separator && word.kind != Token::Kind::end;
   }
 
-  bool bytes(TextWords& words, const Word& first) {
-    Word word = words.next();
+  bool bytes(CommandLexer& lexer, const Token& first) {
+    Token word = lexer.next();
     if (!in_command(word)) return fail(Wrong::bytes, first.position);
-    for (; in_command(word); word = words.next()) {
+    for (; in_command(word); word = lexer.next()) {
       const std::optional<std::int32_t> number = parse_integer(word.text);
       if (!number || *number < 0 || *number > 255) return fail(Wrong::bytes, word.position);
       const auto byte = static_cast<std::uint8_t>(*number);

@@ -2,8 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/fault_command.hpp"
-#include "hal/sim/words.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/print.hpp"
-#include "hal/cli/terminal/words.hpp"
 #include "hal/recording/recording_format.hpp"
 
 namespace cargobay::cli {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/fault_command.hpp"
-#include "hal/sim/words.hpp"
 #include "oi/sensors.hpp"
 
 namespace cargobay::hal::sim {

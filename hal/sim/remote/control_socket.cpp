@@ -14,8 +14,8 @@
 
 #include "hal/machine/masked_thread.hpp"
 #include "hal/sim/line/left_behind.hpp"
+#include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/control.hpp"
-#include "hal/sim/words.hpp"
 
 namespace cargobay::hal::sim {
 

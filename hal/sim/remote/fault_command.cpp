@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "hal/sim/words.hpp"
+#include "hal/sim/next_word.hpp"
 #include "oi/dialect.hpp"
 
 namespace cargobay::hal::sim {

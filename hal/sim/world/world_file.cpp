@@ -5,7 +5,7 @@
 #include <span>
 
 #include "hal/file/read_input.hpp"
-#include "hal/sim/words.hpp"
+#include "hal/sim/next_word.hpp"
 #include "hal/sim/world/world.hpp"
 
 namespace cargobay::hal::sim {

@@ -1,4 +1,4 @@
-#include "hal/cli/terminal/words.hpp"
+#include "hal/cli/terminal/operands.hpp"
 
 #include <unistd.h>
 
@@ -62,7 +62,7 @@ hal::Failure no_byte(std::string_view run, Base base) {
 
 }  // namespace
 
-void take_words(CLI::App& command, const std::string& name, const std::string& description) {
+void take_operands(CLI::App& command, const std::string& name, const std::string& description) {
   // A positional option would leave -200 to the options, and lose its place among the words.
   command.allow_extras();
   command.description(fmt::format("{}\ncargobay {} [OPTIONS] {}\n  {}: {}",
@@ -70,7 +70,7 @@ void take_words(CLI::App& command, const std::string& name, const std::string& d
                                   description));
 }
 
-hal::Result<std::string> joined_words(const CLI::App& command) {
+hal::Result<std::string> joined_operands(const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
   for (const std::string& word : words) {
     if (word.starts_with("--") || (word.starts_with('-') && word.size() > 1 && word[1] >= 'A')) {

@@ -1,4 +1,4 @@
-// Splits lines of text into words and numbers.
+// Takes lines of text apart: the next word, and what number it is.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A text of commands, divided into words and the marks between them.
+// A text of commands, divided into tokens: words and the marks between them.
 #pragma once
 
 #include <cstddef>
@@ -9,37 +9,37 @@
 
 namespace cargobay::oi {
 
-struct Word {
+struct Token {
   enum class Kind : std::uint8_t { word, separator, open, close, end };
   Kind kind = Kind::end;
   std::string_view text{};
   std::size_t position = 0;  // in bytes from the beginning
 
   // A part of the word, as a word.
-  constexpr Word part(std::size_t begin, std::size_t count) const {
+  constexpr Token part(std::size_t begin, std::size_t count) const {
     return {kind, slice(text, begin, count), position + begin};
   }
 };
 
 // `;` and the end of a line separate commands, `{` and `}` enclose a script, `#` at the beginning
 // of a word makes the rest of the line a comment.
-class TextWords {
+class CommandLexer {
  public:
-  constexpr explicit TextWords(std::string_view text) : text_{text} {}
+  constexpr explicit CommandLexer(std::string_view text) : text_{text} {}
 
-  constexpr Word next() {
+  constexpr Token next() {
     skip_blanks();
-    if (at_ == text_.size()) return {Word::Kind::end, {}, at_};
+    if (at_ == text_.size()) return {Token::Kind::end, {}, at_};
     switch (text_[at_]) {
       case ';':
-      case '\n': return mark(Word::Kind::separator);
-      case '{': return mark(Word::Kind::open);
-      case '}': return mark(Word::Kind::close);
+      case '\n': return mark(Token::Kind::separator);
+      case '{': return mark(Token::Kind::open);
+      case '}': return mark(Token::Kind::close);
       default: break;
     }
     const std::size_t begin = at_;
     while (at_ < text_.size() && !ends_word(text_[at_])) ++at_;
-    return {Word::Kind::word, slice(text_, begin, at_ - begin), begin};
+    return {Token::Kind::word, slice(text_, begin, at_ - begin), begin};
   }
 
  private:
@@ -47,7 +47,7 @@ class TextWords {
   static constexpr bool ends_word(char c) {
     return is_blank(c) || c == ';' || c == '\n' || c == '{' || c == '}';
   }
-  constexpr Word mark(Word::Kind kind) {
+  constexpr Token mark(Token::Kind kind) {
     ++at_;
     return {kind, slice(text_, at_ - 1, 1), at_ - 1};
   }

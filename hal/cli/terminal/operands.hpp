@@ -1,4 +1,4 @@
-// The words after a command's options: commands as text, bytes as text.
+// The operands that follow a command's options: commands as text, bytes as text.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ class App;
 
 namespace cargobay::cli {
 
-// Lets the command take words that look like options, such as -200. `name` is for its help.
-void take_words(CLI::App& command, const std::string& name, const std::string& description);
-// The words joined by spaces; standard input if there are none, or for `-`. Fails for a word that
+// Lets the command take operands that look like options, such as -200. `name` is for its help.
+void take_operands(CLI::App& command, const std::string& name, const std::string& description);
+// The operands joined by spaces; standard input if there are none, or for `-`. Fails for a word that
 // looks like an option but is not, and if standard input is a terminal.
-hal::Result<std::string> joined_words(const CLI::App& command);
+hal::Result<std::string> joined_operands(const CLI::App& command);
 
 // The commands' bytes; nothing if the text is wrong or empty: then this has printed an error, with
 // a caret under the place.
