@@ -15,14 +15,9 @@
 #include <cstddef>
 
 #include "rt/nonblocking.hpp"
+#include "rt/remainder.hpp"
 
 namespace cargobay::rt {
-
-// What reading does to the fraction of a step that the counter could not report.
-enum class Remainder {
-  carried,  // it counts towards the next reading
-  lost,     // it is gone
-};
 
 class AxisFilter {
  public:

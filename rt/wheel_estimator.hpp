@@ -15,13 +15,11 @@
 
 #include "rt/axis_filter.hpp"
 #include "rt/nonblocking.hpp"
+#include "rt/remainder.hpp"
 #include "rt/travel.hpp"
 #include "rt/wheel_speeds.hpp"
 
 namespace cargobay::rt {
-
-// What is known about the remainder.
-enum class RemainderBelief : std::uint8_t { unknown, carried, lost };
 
 class WheelEstimator {
  public:

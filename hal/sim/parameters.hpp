@@ -9,12 +9,11 @@
 #include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"
+#include "rt/remainder.hpp"
 
 namespace cargobay::hal::sim {
 
-// What happens to the fraction of a millimetre or degree that a read of packet 19 or 20 leaves.
-// Both kinds of robot exist (docs/protocol.md).
-enum class Remainder : std::uint8_t { carried, lost };
+using rt::Remainder;
 
 inline constexpr double kAllAroundDeg = 360.0;
 inline constexpr rt::Duration kPowerOnTime = std::chrono::milliseconds{3500};  // deaf, booting
