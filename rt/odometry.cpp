@@ -4,7 +4,7 @@
 
 namespace cargobay::rt {
 
-void Odometry::reset(const Pose& pose) CARGOBAY_NONBLOCKING {
+void Odometry::reset(const OdometryPose& pose) CARGOBAY_NONBLOCKING {
   pose_ = pose;
   grown_ = {};
 }

@@ -13,7 +13,8 @@
 
 namespace cargobay::rt {
 
-struct Pose {
+// Where the robot believes to be.
+struct OdometryPose {
   double x_mm = 0.0;         // ahead at heading 0
   double y_mm = 0.0;         // to the left of that
   double heading_rad = 0.0;  // counter-clockwise, not wrapped
@@ -41,17 +42,17 @@ class Odometry {
   explicit Odometry(const Parameters& parameters) : parameters_{parameters} {}
 
   // The robot is known to be at `pose`, for certain.
-  void reset(const Pose& pose) CARGOBAY_NONBLOCKING;
+  void reset(const OdometryPose& pose) CARGOBAY_NONBLOCKING;
   void step(const Travel& travel) CARGOBAY_NONBLOCKING;
 
-  const Pose& pose() const CARGOBAY_NONBLOCKING { return pose_; }
+  const OdometryPose& pose() const CARGOBAY_NONBLOCKING { return pose_; }
   // Distance travelled; driving backwards reduces it. reset() does not change it.
   double distance_mm() const CARGOBAY_NONBLOCKING { return distance_mm_; }
   PoseCovariance covariance() const CARGOBAY_NONBLOCKING;
 
  private:
   Parameters parameters_;
-  Pose pose_{};
+  OdometryPose pose_{};
   double distance_mm_ = 0.0;
   PoseCovariance grown_{};
   double cos_ = 1.0;  // of the heading in the middle of the last step

@@ -43,7 +43,7 @@ struct CycleState {
   std::optional<rt::WheelEstimator::Reading> reading{};
   std::int32_t battery_mv = 0;  // 0 until the first frame that has it
   Bumps bumps{};                // as in the last frame that has them
-  rt::Pose pose{};              // by odometry
+  rt::OdometryPose pose{};      // by odometry
   double distance_mm = 0.0;
   rt::PoseCovariance pose_covariance{};
 };

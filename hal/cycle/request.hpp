@@ -34,7 +34,7 @@ struct Request {
   ExtraLists extras{};
   std::uint8_t size = 0;
   std::array<std::uint8_t, kMostBytes> bytes{};
-  rt::Pose pose{};
+  rt::OdometryPose pose{};
 
   std::span<const std::uint8_t> command() const { return std::span{bytes}.first(size); }
 };

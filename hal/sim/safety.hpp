@@ -12,13 +12,13 @@
 
 namespace cargobay::hal::sim {
 
-enum class Hazard : std::uint8_t { cliff, wheel_drop, charger };
+enum class SafetyCondition : std::uint8_t { cliff, wheel_drop, charger };
 
-constexpr std::string_view name(Hazard hazard) {
-  switch (hazard) {
-    case Hazard::cliff: return "cliff";
-    case Hazard::wheel_drop: return "wheel_drop";
-    case Hazard::charger: return "charger";
+constexpr std::string_view name(SafetyCondition condition) {
+  switch (condition) {
+    case SafetyCondition::cliff: return "cliff";
+    case SafetyCondition::wheel_drop: return "wheel_drop";
+    case SafetyCondition::charger: return "charger";
   }
   return "";
 }
@@ -37,11 +37,11 @@ inline bool cliffs_matter(WheelSpeeds commanded, double wheel_base_mm) {
 }
 
 // What Safe mode reacts to; nothing if all is well.
-inline std::optional<Hazard> hazard(const Inputs& seen, WheelSpeeds commanded,
-                                    double wheel_base_mm) {
-  if (seen.any_wheel_drop()) return Hazard::wheel_drop;
-  if (seen.charger) return Hazard::charger;
-  if (seen.any_cliff() && cliffs_matter(commanded, wheel_base_mm)) return Hazard::cliff;
+inline std::optional<SafetyCondition> safety_condition(const Inputs& seen, WheelSpeeds commanded,
+                                                       double wheel_base_mm) {
+  if (seen.any_wheel_drop()) return SafetyCondition::wheel_drop;
+  if (seen.charger) return SafetyCondition::charger;
+  if (seen.any_cliff() && cliffs_matter(commanded, wheel_base_mm)) return SafetyCondition::cliff;
   return std::nullopt;
 }
 

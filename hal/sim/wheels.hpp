@@ -11,9 +11,9 @@
 
 namespace cargobay::hal::sim {
 
-// On the floor: x points ahead and y to the left of where the robot stood at the beginning,
-// counter-clockwise positive.
-struct Pose {
+// Where the robot really is, on the floor: x points ahead and y to the left of where it stood at the
+// beginning, counter-clockwise positive.
+struct WorldPose {
   double x_mm = 0.0;
   double y_mm = 0.0;
   double heading_rad = 0.0;
@@ -79,12 +79,12 @@ class Wheels {
   void advance(rt::Duration period);
   // Draws the disturbance for the next 15 ms: call it once a tick.
   void tick();
-  void place(const Pose& pose) { pose_ = pose; }
+  void place(const WorldPose& pose) { pose_ = pose; }
   void set_blocked(bool left, bool right);
   // Turns them from outside from now on, by hand or by a push. The motors are stronger.
   void set_turned(WheelSpeeds turned);
 
-  const Pose& pose() const { return pose_; }
+  const WorldPose& pose() const { return pose_; }
   WheelSpeeds command() const { return command_; }
   WheelSpeeds speeds() const { return {left_.speed_mm_s(), right_.speed_mm_s()}; }
   const Wheel& left() const { return left_; }
@@ -97,7 +97,7 @@ class Wheels {
   Wheel right_;
   WheelSpeeds command_{};
   WheelSpeeds turned_{};
-  Pose pose_{};
+  WorldPose pose_{};
   double wheel_base_mm_;
   double noise_mm_s_;
   double noise_keep_;

@@ -14,8 +14,8 @@ namespace cargobay::campaign {
 using hal::sim::Beam;
 using hal::sim::Parameters;
 using hal::sim::Point;
-using hal::sim::Pose;
 using hal::sim::Random;
+using hal::sim::WorldPose;
 
 Parameters robot(std::uint64_t seed, double receiver_opening_deg) {
   Random random{seed};
@@ -51,7 +51,7 @@ Point ahead(const Beam& beam, double distance_mm, double aside_mm) {
       beam.origin.y_mm + distance_mm * std::sin(heading_rad) + aside_mm * std::cos(heading_rad)};
 }
 
-double distance_mm(const Pose& pose, Point to) {
+double distance_mm(const WorldPose& pose, Point to) {
   return std::hypot(pose.x_mm - to.x_mm, pose.y_mm - to.y_mm);
 }
 

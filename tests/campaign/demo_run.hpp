@@ -36,7 +36,7 @@ class Run {
     return device_.now() > std::chrono::seconds{1} && !device_.demos().running();
   }
   double time_s() const { return rt::seconds(device_.now()); }
-  hal::sim::Pose pose() const { return device_.truth().pose; }
+  hal::sim::WorldPose pose() const { return device_.truth().pose; }
   const hal::sim::Device& device() const { return device_; }
   // Into the folder of the options, if there is one.
   void draw(const Options& options, std::string_view demo, std::uint64_t seed) const;
@@ -49,7 +49,7 @@ class Run {
 
 // So far in front of a lamp, and to the left of that.
 hal::sim::Point ahead(const hal::sim::Beam& beam, double distance_mm, double aside_mm = 0.0);
-double distance_mm(const hal::sim::Pose& pose, hal::sim::Point to);
+double distance_mm(const hal::sim::WorldPose& pose, hal::sim::Point to);
 
 // Prints each share that is less than it ought to be.
 class Promises {

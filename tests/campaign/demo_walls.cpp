@@ -12,7 +12,7 @@ namespace cargobay::campaign {
 
 using hal::sim::Beam;
 using hal::sim::Point;
-using hal::sim::Pose;
+using hal::sim::WorldPose;
 using oi::DemoNumber;
 
 namespace {
@@ -24,14 +24,14 @@ constexpr double kTouchesMm = 165.0 + 40.0 + 60.0;  // from the robot to the lam
 
 // Nothing that a robot would run into on its way straight to the lamp.
 bool way_is_free(const RandomRoom& room, Point from, Point lamp, double begin_mm) {
-  const Pose start{from.x_mm, from.y_mm, 0.0};
+  const WorldPose start{from.x_mm, from.y_mm, 0.0};
   const double whole_mm = distance_mm(start, lamp);
   constexpr double kStepMm = 25.0;
   const auto steps = static_cast<int>(std::ceil((whole_mm - kTouchesMm - begin_mm) / kStepMm)) - 1;
   for (int i = 0; i < steps; ++i) {
     const double part = (begin_mm + i * kStepMm) / whole_mm;
-    const Pose pose{start.x_mm + part * (lamp.x_mm - start.x_mm),
-                    start.y_mm + part * (lamp.y_mm - start.y_mm), 0.0};
+    const WorldPose pose{start.x_mm + part * (lamp.x_mm - start.x_mm),
+                         start.y_mm + part * (lamp.y_mm - start.y_mm), 0.0};
     if (room.world.collide(pose)) return false;
   }
   return true;
@@ -146,7 +146,7 @@ double followed_share(const Options& options, std::uint64_t seed) {
   Run run{room, DemoNumber::mouse, robot(seed, hal::sim::kAllAroundDeg)};
   while (!run.over() && run.time_s() < 300.0) {
     run.step();
-    const Pose pose = run.pose();
+    const WorldPose pose = run.pose();
     // A corner is passed at 1.4 times the robot's radius, and sharp ones farther.
     along.erase(std::remove_if(along.begin(), along.end(),
                                [&](Point each) { return distance_mm(pose, each) < 300.0; }),

@@ -10,8 +10,8 @@ namespace cargobay::campaign {
 
 using hal::sim::kRobotRadiusMm;
 using hal::sim::Point;
-using hal::sim::Pose;
 using hal::sim::Rectangle;
+using hal::sim::WorldPose;
 
 namespace {
 
@@ -136,7 +136,7 @@ bool FloorMap::reaches(Point at) const {
   return index < cells_.size() && cells_[index].reached;
 }
 
-void FloorMap::pass(const Pose& pose) {
+void FloorMap::pass(const WorldPose& pose) {
   visit_around({pose.x_mm, pose.y_mm}, kRobotRadiusMm,
                [&](std::size_t index) { cells_[index].covered = true; });
 }

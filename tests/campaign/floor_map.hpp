@@ -20,7 +20,7 @@ class FloorMap {
   // Whether its centre can get there.
   bool reaches(hal::sim::Point at) const;
   // The robot is here: its whole body, 330 mm across, covers the floor.
-  void pass(const hal::sim::Pose& pose);
+  void pass(const hal::sim::WorldPose& pose);
   // The covered part of the floor that can be covered, 0 to 1.
   double covered_share() const;
 

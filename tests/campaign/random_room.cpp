@@ -14,11 +14,11 @@ namespace cargobay::campaign {
 using hal::sim::Beam;
 using hal::sim::Inputs;
 using hal::sim::Point;
-using hal::sim::Pose;
 using hal::sim::Random;
 using hal::sim::Rectangle;
 using hal::sim::Segment;
 using hal::sim::World;
+using hal::sim::WorldPose;
 
 namespace {
 
@@ -140,7 +140,7 @@ void furnish(RandomRoom& room, Random& random, std::uint32_t pieces) {
   }
 }
 
-bool has_floor(const World& world, const Pose& pose) {
+bool has_floor(const World& world, const WorldPose& pose) {
   return std::none_of(world.cliffs.begin(), world.cliffs.end(), [&pose](const Rectangle& cliff) {
     const double x = std::clamp(pose.x_mm, cliff.corner.x_mm, cliff.corner.x_mm + cliff.width_mm);
     const double y = std::clamp(pose.y_mm, cliff.corner.y_mm, cliff.corner.y_mm + cliff.height_mm);
@@ -149,7 +149,7 @@ bool has_floor(const World& world, const Pose& pose) {
 }
 
 // In a beam, but not already at the lamp.
-bool sees_virtual_wall(const World& world, const Pose& pose) {
+bool sees_virtual_wall(const World& world, const WorldPose& pose) {
   for (const Beam& lamp : world.virtual_walls) {
     if (std::hypot(pose.x_mm - lamp.origin.x_mm, pose.y_mm - lamp.origin.y_mm) < kFromLampMm)
       return false;
@@ -162,7 +162,7 @@ bool sees_virtual_wall(const World& world, const Pose& pose) {
 bool put_start(RandomRoom& room, Random& random, bool in_beam) {
   for (int i = 0; i < kTries; ++i) {
     const Point at = anywhere_in(room, random);
-    const Pose pose{at.x_mm, at.y_mm, between(random, 0.0, 360.0) * kRadPerDeg};
+    const WorldPose pose{at.x_mm, at.y_mm, between(random, 0.0, 360.0) * kRadPerDeg};
     if (!room.contains(at) || room.world.collide(pose) || !has_floor(room.world, pose)) continue;
     if (in_beam && !sees_virtual_wall(room.world, pose)) continue;
     room.world.start = pose;

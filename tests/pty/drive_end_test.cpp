@@ -125,25 +125,26 @@ TEST_F(DriveTest, FailsWhenTheRobotIsSwitchedOff) {
   EXPECT_TRUE(stands_still());
 }
 
-struct Hazard {
+struct HazardCase {
   const char* name;
   void (*happen)(Device& device);
   const char* complaint;
 
-  friend std::ostream& operator<<(std::ostream& out, const Hazard& hazard) {
-    return out << hazard.name;
+  friend std::ostream& operator<<(std::ostream& out, const HazardCase& each) {
+    return out << each.name;
   }
 };
 
-constexpr Hazard kCliff{"Cliff", [](Device& device) { device.inputs().cliff_left.cliff = true; },
-                        "a cliff on the left"};
-constexpr Hazard kWheelDrop{"WheelDrop",
-                            [](Device& device) { device.inputs().wheel_drop_right = true; },
-                            "the right wheel is off the floor"};
-constexpr Hazard kCharger{"Charger", [](Device& device) { device.inputs().charger = true; },
-                          "the charger is plugged in"};
+constexpr HazardCase kCliff{"Cliff",
+                            [](Device& device) { device.inputs().cliff_left.cliff = true; },
+                            "a cliff on the left"};
+constexpr HazardCase kWheelDrop{"WheelDrop",
+                                [](Device& device) { device.inputs().wheel_drop_right = true; },
+                                "the right wheel is off the floor"};
+constexpr HazardCase kCharger{"Charger", [](Device& device) { device.inputs().charger = true; },
+                              "the charger is plugged in"};
 
-class DriveHazardTest : public DriveTest, public testing::WithParamInterface<Hazard> {};
+class DriveHazardTest : public DriveTest, public testing::WithParamInterface<HazardCase> {};
 
 TEST_P(DriveHazardTest, EndsADriveInSafe) {
   Command command{drive({"--duration", "60"})};

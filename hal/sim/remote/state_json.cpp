@@ -42,7 +42,7 @@ class JsonObject {
   std::string text_;
 };
 
-JsonObject pose(const Pose& pose) {
+JsonObject pose(const WorldPose& pose) {
   return JsonObject{}
       .number("x_mm", pose.x_mm)
       .number("y_mm", pose.y_mm)
@@ -53,12 +53,12 @@ JsonObject speeds(WheelSpeeds speeds) {
   return JsonObject{}.number("left", speeds.left_mm_s).number("right", speeds.right_mm_s);
 }
 
-JsonObject leds(const Leds& leds) {
+JsonObject leds(const Actuators& actuators) {
   return JsonObject{}
-      .truth("play", leds.play)
-      .truth("advance", leds.advance)
-      .integer("power_color", leds.power_color)
-      .integer("power_intensity", leds.power_intensity);
+      .truth("play", actuators.lit(oi::Led::play))
+      .truth("advance", actuators.lit(oi::Led::advance))
+      .integer("power_color", actuators.leds.power_color)
+      .integer("power_intensity", actuators.leds.power_intensity);
 }
 
 // The pins of the cargo bay connector (OI p. 4) that the robot drives: 13, 8, 9, 10 to 12.
@@ -109,7 +109,7 @@ JsonObject counters(const DeviceCounters& device, const CableCounters& cable) {
 std::string state_json(const Cable& cable) {
   const Device& device = cable.device();
   const Actuators& actuators = device.actuators();
-  const auto hazard = device.last_hazard();
+  const auto condition = device.last_safety_condition();
   JsonObject state;
   state.text("mode", oi::name(device.mode()))
       .integer("baud", device.baud())
@@ -119,7 +119,7 @@ std::string state_json(const Cable& cable) {
       .object("pose", pose(device.truth().pose))
       .object("wheel_mm_s", speeds(device.truth().speeds))
       .object("commanded_mm_s", speeds(device.commanded()))
-      .object("leds", leds(actuators.leds))
+      .object("leds", leds(actuators))
       .truth("song_playing", device.songs().playing())
       .integer("note", device.sounding())
       .integer("digital_out", actuators.digital_outputs);
@@ -135,7 +135,7 @@ std::string state_json(const Cable& cable) {
       .integer("stream_packets", device.stream().packets().size())
       .truth("streaming", device.stream().running())
       .text("brc", device.brc_high() ? "high" : "low")
-      .raw("last_hazard", hazard ? "\"" + std::string{name(*hazard)} + "\"" : "null")
+      .raw("last_hazard", condition ? "\"" + std::string{name(*condition)} + "\"" : "null")
       .object("counters", counters(device.counters(), cable.counters()));
   return state.take();
 }

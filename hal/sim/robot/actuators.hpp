@@ -7,30 +7,20 @@
 #include <cstdint>
 #include <optional>
 
+#include "oi/commands.hpp"
+
 namespace cargobay::hal::sim {
 
 inline constexpr std::uint8_t kFullDuty = 128;
 
-struct Leds {
-  bool play = false;
-  bool advance = false;
-  std::uint8_t power_color = 0;      // 0 green to 255 red
-  std::uint8_t power_intensity = 0;  // 0 off to 255 full
-};
-
 struct Actuators {
-  Leds leds{};
+  oi::Leds leds{};
   std::uint8_t digital_outputs = 0;                // one bit each, bit 0 is output 0
   std::array<std::uint8_t, 3> low_side_drivers{};  // duty, 0 to 128, of drivers 0 to 2
   std::optional<std::uint8_t> infrared_sent{};     // by the last Send IR
   std::uint64_t infrared_count = 0;
 
-  void set_leds(std::uint8_t bits, std::uint8_t color, std::uint8_t intensity) {
-    leds = {.play = (bits & 0b10U) != 0,
-            .advance = (bits & 0b1000U) != 0,
-            .power_color = color,
-            .power_intensity = intensity};
-  }
+  bool lit(oi::Led led) const { return leds.leds.has(led); }
   // All on or off, one bit per driver.
   void switch_low_side_drivers(std::uint8_t bits) {
     for (unsigned i = 0; i < low_side_drivers.size(); ++i) {

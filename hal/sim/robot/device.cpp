@@ -52,7 +52,7 @@ std::uint8_t Device::sounding() const {
   return own_sound_.playing() ? own_sound_.sounding(now_) : demo_.note;
 }
 
-void Device::place(const Pose& pose) {
+void Device::place(const WorldPose& pose) {
   advance_wheels();
   chassis_.wheels.place(pose);
 }
@@ -148,8 +148,8 @@ void Device::tick_oi() {
   songs_.advance(now_);
   if (mode_ == oi::Mode::safe) {
     // Applies even while a script waits: the robot must not keep rolling.
-    if (const auto found = hazard(seen_, commanded(), parameters_.wheels.wheel_base_mm)) {
-      last_hazard_ = found;
+    if (const auto found = safety_condition(seen_, commanded(), parameters_.wheels.wheel_base_mm)) {
+      last_safety_condition_ = found;
       ++counters_.safety_stops;
       enter(oi::Mode::passive);
     }

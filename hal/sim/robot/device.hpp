@@ -41,7 +41,7 @@ namespace cargobay::hal::sim {
 
 // The true state, which no sensor reports.
 struct Truth {
-  Pose pose{};
+  WorldPose pose{};
   WheelSpeeds speeds{};
 };
 
@@ -127,7 +127,7 @@ class Device {
   const Battery& battery() const { return battery_; }
   bool brc_high() const { return supply_.brc.high(); }
   // Why Safe last became Passive.
-  std::optional<Hazard> last_hazard() const { return last_hazard_; }
+  std::optional<SafetyCondition> last_safety_condition() const { return last_safety_condition_; }
   const DeviceCounters& counters() const { return counters_; }
   // How many bytes, at least, complete the command in progress; 0 between commands.
   std::size_t bytes_awaited() const { return serial_.parser.needed(); }
@@ -140,7 +140,7 @@ class Device {
   const Inputs& seen() const { return seen_; }
   // Holds a button down for that long, from the next tick on.
   void press(oi::Button button, rt::Duration period);
-  void place(const Pose& pose);
+  void place(const WorldPose& pose);
   void set_wheels_blocked(bool left, bool right);
   // Turns the wheels from outside from now on, by hand or by a push; the motors are stronger.
   void turn_wheels(WheelSpeeds turned);
@@ -296,7 +296,7 @@ class Device {
   Wait wait_{};
   Reply reply_{};
   DemoState demo_{};
-  std::optional<Hazard> last_hazard_{};
+  std::optional<SafetyCondition> last_safety_condition_{};
   DeviceFaults faults_{};
   Random junk_;
   DeviceCounters counters_{};

@@ -111,8 +111,10 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
       return actuators_.set_low_side_drivers(
           {low_byte(arguments[2]), low_byte(arguments[1]), low_byte(arguments[0])});
     case oi::Leds::kOpcode:
-      return actuators_.set_leds(low_byte(arguments[0]), low_byte(arguments[1]),
-                                 low_byte(arguments[2]));
+      actuators_.leds = {.leds = oi::BitSet<oi::Led>{low_byte(arguments[0])},
+                         .power_color = low_byte(arguments[1]),
+                         .power_intensity = low_byte(arguments[2])};
+      return;
     case oi::DigitalOutputs::kOpcode:
       actuators_.digital_outputs = low_byte(arguments[0] & 0b111);
       return;

@@ -10,7 +10,7 @@ namespace {
 // At full speed a robot drives 8 mm a tick, and an obstacle moves it no further than that.
 constexpr double kLeapMm = 50.0;
 
-double distance_mm(const Pose& a, const Pose& b) {
+double distance_mm(const WorldPose& a, const WorldPose& b) {
   return std::hypot(a.x_mm - b.x_mm, a.y_mm - b.y_mm);
 }
 
@@ -20,7 +20,7 @@ PathRecorder::PathRecorder(std::size_t most) : most_{std::max<std::size_t>(most,
   kept_.reserve(most_);
 }
 
-void PathRecorder::add(const Pose& pose, bool bumper_pushed) {
+void PathRecorder::add(const WorldPose& pose, bool bumper_pushed) {
   const bool first = kept_.empty();
   const bool leapt = !first && distance_mm(last_.pose, pose) > kLeapMm;
   // The place it leapt from is worth keeping too.

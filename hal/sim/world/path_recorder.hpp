@@ -10,7 +10,7 @@
 namespace cargobay::hal::sim {
 
 struct Waypoint {
-  Pose pose{};
+  WorldPose pose{};
   bool placed = false;  // put there: the robot did not drive there from the waypoint before
   bool bumped = false;  // its bumper was pushed, and was not at the tick before
 };
@@ -21,7 +21,7 @@ class PathRecorder {
   explicit PathRecorder(std::size_t most = 16384);
 
   // The robot's pose; call it once a tick.
-  void add(const Pose& pose, bool bumper_pushed);
+  void add(const WorldPose& pose, bool bumper_pushed);
   // From the first place to the last, both included.
   std::vector<Waypoint> path() const;
 

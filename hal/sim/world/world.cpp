@@ -58,7 +58,7 @@ Point direction(double degrees) {
 double wrapped_deg(double degrees) { return std::remainder(degrees, 360.0); }
 
 // The point `distance_mm` from the robot's centre, at that angle from its heading.
-Point place(const Pose& pose, double distance_mm, double off_heading_deg) {
+Point place(const WorldPose& pose, double distance_mm, double off_heading_deg) {
   const double heading_deg = pose.heading_rad * kDegreesPerRad + off_heading_deg;
   return Point{pose.x_mm, pose.y_mm} + distance_mm * direction(heading_deg);
 }
@@ -141,7 +141,7 @@ bool in_sight(const World& world, Point from, Point to) {
   return free_way_mm(world, from + kSlackMm * toward, toward) >= distance - 2.0 * kSlackMm;
 }
 
-void sense_cliffs(const World& world, const Pose& pose, Inputs& inputs) {
+void sense_cliffs(const World& world, const WorldPose& pose, Inputs& inputs) {
   const auto over_cliff = [&world](Point at) {
     return std::any_of(world.cliffs.begin(), world.cliffs.end(),
                        [at](const Rectangle& cliff) { return inside(cliff, at); });
@@ -161,7 +161,7 @@ void sense_cliffs(const World& world, const Pose& pose, Inputs& inputs) {
   if (over_cliff(place(pose, kCasterMm, 0.0))) inputs.wheel_drop_caster = true;
 }
 
-void sense_wall(const World& world, const Pose& pose, Inputs& inputs) {
+void sense_wall(const World& world, const WorldPose& pose, Inputs& inputs) {
   const double heading_deg = pose.heading_rad * kDegreesPerRad + kWallSensorDeg;
   const double distance =
       free_way_mm(world, place(pose, kRobotRadiusMm, kWallSensorDeg), direction(heading_deg));
@@ -173,13 +173,14 @@ void sense_wall(const World& world, const Pose& pose, Inputs& inputs) {
 }
 
 // Whether light from there enters through the opening of the receiver.
-bool comes_in(const Pose& pose, Point from, double opening_deg) {
+bool comes_in(const WorldPose& pose, Point from, double opening_deg) {
   const double bearing_deg = angle_deg(from - Point{pose.x_mm, pose.y_mm});
   const double off_deg = wrapped_deg(bearing_deg - pose.heading_rad * kDegreesPerRad);
   return std::abs(off_deg) <= 0.5 * opening_deg;
 }
 
-void sense_virtual_walls(const World& world, const Pose& pose, double opening_deg, Inputs& inputs) {
+void sense_virtual_walls(const World& world, const WorldPose& pose, double opening_deg,
+                         Inputs& inputs) {
   const Point at{pose.x_mm, pose.y_mm};
   for (const Beam& beam : world.virtual_walls) {
     if (!comes_in(pose, beam.origin, opening_deg)) continue;
@@ -211,7 +212,8 @@ std::uint8_t light_of_home_base(const World& world, Point at) {
   return light;
 }
 
-void sense_home_base(const World& world, const Pose& pose, double opening_deg, Inputs& inputs) {
+void sense_home_base(const World& world, const WorldPose& pose, double opening_deg,
+                     Inputs& inputs) {
   if (!world.home_base) return;
   const Point at{pose.x_mm, pose.y_mm};
   const bool open = comes_in(pose, world.home_base->origin, opening_deg);
@@ -232,7 +234,7 @@ void sense_home_base(const World& world, const Pose& pose, double opening_deg, I
 
 }  // namespace
 
-std::optional<Contact> World::collide(const Pose& pose) const {
+std::optional<Contact> World::collide(const WorldPose& pose) const {
   Contact contact{.centre = {pose.x_mm, pose.y_mm}};
   bool touched = false;
   for (int round = 0; round < kContactRounds; ++round) {
@@ -259,7 +261,7 @@ std::optional<Contact> World::collide(const Pose& pose) const {
   return contact;
 }
 
-void World::sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg) const {
+void World::sense(const WorldPose& pose, Inputs& inputs, double receiver_opening_deg) const {
   sense_cliffs(*this, pose, inputs);
   sense_wall(*this, pose, inputs);
   sense_virtual_walls(*this, pose, receiver_opening_deg, inputs);
@@ -269,7 +271,7 @@ void World::sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg)
 void inhabit(Device& device, const World& world) {
   device.place(world.start);
   device.surroundings = [&world](Device& robot, Inputs& seen) {
-    Pose pose = robot.truth().pose;
+    WorldPose pose = robot.truth().pose;
     if (const auto contact = world.collide(pose)) {
       // Held, its wheels slip: the encoders keep counting, but the robot does not move.
       pose.x_mm = contact->centre.x_mm;

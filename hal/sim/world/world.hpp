@@ -54,7 +54,7 @@ struct World {
   std::vector<Rectangle> cliffs{};  // no floor here
   std::vector<Beam> virtual_walls{};
   std::optional<Beam> home_base{};  // the heading is the way it faces
-  Pose start{};
+  WorldPose start{};
 
   // One item per line:
   //   wall X1 Y1 X2 Y2 · box X Y WIDTH HEIGHT · post X Y RADIUS · cliff X Y WIDTH HEIGHT
@@ -64,10 +64,11 @@ struct World {
   static Result<World> load(const std::string& path);
 
   // Nothing if the robot touches nothing.
-  std::optional<Contact> collide(const Pose& pose) const;
+  std::optional<Contact> collide(const WorldPose& pose) const;
   // Adds what a robot in that place would see, except bumps, which are collide()'s. Its infrared
   // receiver sees as wide as `receiver_opening_deg`, centred on the front.
-  void sense(const Pose& pose, Inputs& inputs, double receiver_opening_deg = kAllAroundDeg) const;
+  void sense(const WorldPose& pose, Inputs& inputs,
+             double receiver_opening_deg = kAllAroundDeg) const;
 };
 
 // Puts the device at the start of the world and lets it live there. The world outlives the device.

@@ -192,9 +192,9 @@ void draw_world(const World& world, Drawing& drawing) {
 void draw_path(std::span<const Waypoint> path, Drawing& drawing) {
   if (path.empty()) return;
   drawing.say("<path class='path' d='");
-  Pose drawn{};
+  WorldPose drawn{};
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const Pose& pose = path[i].pose;
+    const WorldPose& pose = path[i].pose;
     const bool begins = i == 0 || path[i].placed;
     // The last waypoint before a leap is always drawn, however close.
     const bool ends = i + 1 == path.size() || path[i + 1].placed;
@@ -206,13 +206,13 @@ void draw_path(std::span<const Waypoint> path, Drawing& drawing) {
   drawing.say("'/>\n");
   for (const Waypoint& waypoint : path) {
     if (!waypoint.bumped) continue;
-    const Pose& pose = waypoint.pose;
+    const WorldPose& pose = waypoint.pose;
     drawing.circle({pose.x_mm, pose.y_mm}, 28.0, "bump");
   }
   drawing.circle({path.front().pose.x_mm, path.front().pose.y_mm}, 35.0, "begin");
 }
 
-void draw_robot(const Pose& pose, Drawing& drawing) {
+void draw_robot(const WorldPose& pose, Drawing& drawing) {
   const Point centre{pose.x_mm, pose.y_mm};
   const double heading_deg = pose.heading_rad / kRadPerDeg;
   const auto rim = [&](double off_deg) {

@@ -22,7 +22,7 @@ struct Kind {
 constexpr std::size_t kMostNumbers = 4;
 constexpr double kFarthest = 1e6;  // a kilometre
 
-Pose pose(std::span<const double> n) { return {n[0], n[1], n[2] * std::numbers::pi / 180.0}; }
+WorldPose pose(std::span<const double> n) { return {n[0], n[1], n[2] * std::numbers::pi / 180.0}; }
 Rectangle rectangle(std::span<const double> n) { return {{n[0], n[1]}, n[2], n[3]}; }
 Beam beam(std::span<const double> n) { return {{n[0], n[1]}, n[2]}; }
 

@@ -32,7 +32,7 @@ PoseErrors errors(sim::Remainder kind) {
   int within = 0;
   for (std::uint64_t seed = 1; seed <= kDrives; ++seed) {
     test::VirtualDrive drive{{.remainder = kind, .seed = seed}};
-    sim::Pose truth;
+    sim::WorldPose truth;
     drive.on_frame = [&](int /*frame*/, ControlCycle& /*cycle*/) {
       truth = drive.device.truth().pose;
     };
@@ -81,7 +81,7 @@ TEST(LoopOdometry, KeepsCountOverLostFrames) {
       const bool gone = driving && ++swallowed % kPeriod == 0;
       return gone ? std::size_t{0} : bytes.size();
     };
-    sim::Pose truth;
+    sim::WorldPose truth;
     drive.on_frame = [&](int /*frame*/, ControlCycle& /*cycle*/) {
       driving = true;
       truth = drive.device.truth().pose;

@@ -26,7 +26,7 @@ World world_with(const std::string& more) {
   return world ? *world : World{};
 }
 
-Pose at(double x_mm, double y_mm, double heading_deg) {
+WorldPose at(double x_mm, double y_mm, double heading_deg) {
   return {x_mm, y_mm, heading_deg * std::numbers::pi / 180.0};
 }
 
@@ -38,14 +38,14 @@ Parameters with_receiver(double opening_deg) {
 
 // A demo in a world, from a place of its own.
 struct Living : Robot {
-  Living(const World& world, const Pose& pose, std::uint8_t demo,
+  Living(const World& world, const WorldPose& pose, std::uint8_t demo,
          double opening_deg = kAllAroundDeg)
       : Robot{with_receiver(opening_deg)} {
     inhabit(device, world);
     device.place(pose);
     send({128, 136, demo});
   }
-  Pose pose() const { return device.truth().pose; }
+  WorldPose pose() const { return device.truth().pose; }
   double away_mm(double x_mm, double y_mm) const {
     return std::hypot(pose().x_mm - x_mm, pose().y_mm - y_mm);
   }

@@ -53,7 +53,7 @@ struct StandingRobot : Robot {
   std::string say(std::string_view line) { return control(line, link.cable()); }
   // In its place, with no command obeyed, and alive.
   bool stands() {
-    const Pose pose = device.truth().pose;
+    const WorldPose pose = device.truth().pose;
     return pose.x_mm == 0.0 && pose.y_mm == 0.0 && pose.heading_rad == 0.0 &&
            device.commanded() == WheelSpeeds{} && device.truth().speeds == WheelSpeeds{} &&
            ask({142, 35}) == Bytes{3};

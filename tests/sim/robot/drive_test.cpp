@@ -131,8 +131,8 @@ TEST(DriveDirect, LeavesTheSameTraceHoweverTimeIsCut) {
     robot.wait(1s);
     return robot.device.truth().pose;
   };
-  const Pose whole = run(3s);
-  const Pose cut = run(1'234'567ns);
+  const WorldPose whole = run(3s);
+  const WorldPose cut = run(1'234'567ns);
   EXPECT_EQ(whole.x_mm, cut.x_mm);
   EXPECT_EQ(whole.y_mm, cut.y_mm);
   EXPECT_EQ(whole.heading_rad, cut.heading_rad);

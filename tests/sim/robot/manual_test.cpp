@@ -81,8 +81,8 @@ TEST(RateByCommand, EndsWithAnEmptyBattery) {  // OI p. 7
 TEST(UnderControl, FullBeginsWithTheLedsOff) {  // OI p. 6
   Robot robot;
   robot.send({128, 131, 139, 10, 255, 128, 128, 132});
-  EXPECT_FALSE(robot.device.actuators().leds.play);
-  EXPECT_FALSE(robot.device.actuators().leds.advance);
+  EXPECT_FALSE(robot.device.actuators().lit(oi::Led::play));
+  EXPECT_FALSE(robot.device.actuators().lit(oi::Led::advance));
   EXPECT_EQ(robot.device.actuators().leds.power_intensity, 0);
 }
 
@@ -102,7 +102,7 @@ TEST(UnderControl, TheRobotWaitsAndReactsToNothing) {  // OI p. 6
       robot.wait(200ms);
       EXPECT_EQ(robot.device.commanded(), WheelSpeeds{});
       EXPECT_FALSE(robot.device.demos().running());
-      EXPECT_FALSE(robot.device.actuators().leds.play);
+      EXPECT_FALSE(robot.device.actuators().lit(oi::Led::play));
       EXPECT_EQ(robot.device.sounding(), 0);
       EXPECT_EQ(robot.ask({142, 35}), (Bytes{static_cast<std::uint8_t>(mode - 129)}));
     }
@@ -180,7 +180,7 @@ TEST(DemosOfTheManual, MouseFollowsTheWallsAroundARoom) {  // OI p. 8
   bool found = false;
   for (int i = 0; i < 900; ++i) {
     robot.wait(100ms);
-    const Pose pose = robot.device.truth().pose;
+    const WorldPose pose = robot.device.truth().pose;
     const std::array<double, 4> away{pose.y_mm, 2000.0 - pose.x_mm, 2000.0 - pose.y_mm, pose.x_mm};
     const auto* const nearest = std::min_element(away.begin(), away.end());
     found = found || robot.device.seen().bump_left || robot.device.seen().bump_right;

@@ -53,7 +53,7 @@ TEST(Modes, PassiveRefusesEveryActuator) {
   robot.send({137, 0,   100, 128, 0,   145, 0,   100, 0,   100, 139, 10, 255, 255, 138, 7,
               144, 128, 128, 128, 147, 7,   151, 9,   140, 0,   1,   60, 64,  141, 0});
   EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
-  EXPECT_FALSE(robot.device.actuators().leds.play);
+  EXPECT_FALSE(robot.device.actuators().lit(oi::Led::play));
   EXPECT_EQ(robot.device.actuators().low_side_drivers[2], 0);
   EXPECT_EQ(robot.device.actuators().infrared_count, 0U);
   EXPECT_FALSE(robot.device.songs().playing());
@@ -69,9 +69,9 @@ TEST(Modes, PassiveAnswersSensors) {
 TEST(Modes, TurnTheLedsOffWhenSafeBegins) {
   Robot robot;
   robot.send({128, 132, 139, 10, 255, 128});
-  EXPECT_TRUE(robot.device.actuators().leds.advance);
+  EXPECT_TRUE(robot.device.actuators().lit(oi::Led::advance));
   robot.send({131});
-  EXPECT_FALSE(robot.device.actuators().leds.advance);
+  EXPECT_FALSE(robot.device.actuators().lit(oi::Led::advance));
   EXPECT_EQ(robot.device.actuators().leds.power_intensity, 0);
 }
 
@@ -143,7 +143,7 @@ TEST(Modes, TurnTheLedsOffWhenFullBegins) {
   for (const std::uint8_t before : Bytes{128, 131, 132}) {
     Robot robot;
     robot.send({128, 132, 139, 10, 255, 128, before, 132});
-    EXPECT_FALSE(robot.device.actuators().leds.advance) << int{before};
+    EXPECT_FALSE(robot.device.actuators().lit(oi::Led::advance)) << int{before};
     EXPECT_EQ(robot.device.actuators().leds.power_intensity, 0) << int{before};
   }
 }
@@ -154,7 +154,7 @@ void expect_what_passive_leaves(const Robot& robot) {
   EXPECT_EQ(robot.device.commanded(), WheelSpeeds{});
   EXPECT_EQ(robot.device.actuators().low_side_drivers, (std::array<std::uint8_t, 3>{}));
   EXPECT_EQ(robot.device.actuators().digital_outputs, 0b101);
-  EXPECT_TRUE(robot.device.actuators().leds.play);
+  EXPECT_TRUE(robot.device.actuators().lit(oi::Led::play));
   EXPECT_TRUE(robot.device.songs().playing());
 }
 

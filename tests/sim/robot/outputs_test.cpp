@@ -15,8 +15,8 @@ struct InSafe : Robot {
 TEST(Leds, ShowTheManualsExample) {
   InSafe robot;
   robot.send({139, 8, 0, 128});
-  EXPECT_FALSE(robot.device.actuators().leds.play);
-  EXPECT_TRUE(robot.device.actuators().leds.advance);
+  EXPECT_FALSE(robot.device.actuators().lit(oi::Led::play));
+  EXPECT_TRUE(robot.device.actuators().lit(oi::Led::advance));
   EXPECT_EQ(robot.device.actuators().leds.power_color, 0);
   EXPECT_EQ(robot.device.actuators().leds.power_intensity, 128);
 }

@@ -45,11 +45,11 @@ TEST(Replies, KeepWhatComesMeanwhileForLater) {
   // A command, a whole script and another question.
   robot.send({139, 8, 0, 0, 152, 3, 1, 2, 3, 154, 142, 35});
   EXPECT_TRUE(robot.device.replying());
-  EXPECT_FALSE(robot.device.actuators().leds.advance);
+  EXPECT_FALSE(robot.device.actuators().lit(oi::Led::advance));
   const Bytes heard = robot.listen(3s);
   ASSERT_EQ(heard.size(), kAll + 5);
   EXPECT_EQ((Bytes{heard.end() - 5, heard.end()}), (Bytes{3, 1, 2, 3, 3}));
-  EXPECT_TRUE(robot.device.actuators().leds.advance);
+  EXPECT_TRUE(robot.device.actuators().lit(oi::Led::advance));
 }
 
 TEST(Replies, HaveNoFramesInThem) {

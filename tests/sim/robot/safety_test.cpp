@@ -29,7 +29,7 @@ TEST(Safety, StopsForEachCliffSensorWhenDrivingForward) {
     Driving robot{kSafe, {200.0, 200.0}};
     (robot.device.inputs().*sensor).cliff = true;
     robot.to_tick();
-    EXPECT_EQ(robot.device.last_hazard(), Hazard::cliff);
+    EXPECT_EQ(robot.device.last_safety_condition(), SafetyCondition::cliff);
     EXPECT_EQ(robot.device.commanded().left_mm_s, 0.0);
     return robot.device.mode() == Mode::passive;
   };
@@ -74,7 +74,7 @@ TEST(Safety, StopsForAnyWheelDropEvenStanding) {
     robot.device.inputs().*drop = true;
     robot.to_tick();
     EXPECT_EQ(robot.device.mode(), Mode::passive);
-    EXPECT_EQ(robot.device.last_hazard(), Hazard::wheel_drop);
+    EXPECT_EQ(robot.device.last_safety_condition(), SafetyCondition::wheel_drop);
   }
 }
 
@@ -86,7 +86,7 @@ TEST(Safety, StopsForTheChargerAndNotForTheHomeBase) {
   robot.device.inputs().charger = true;
   robot.to_tick();
   EXPECT_EQ(robot.device.mode(), Mode::passive);
-  EXPECT_EQ(robot.device.last_hazard(), Hazard::charger);
+  EXPECT_EQ(robot.device.last_safety_condition(), SafetyCondition::charger);
 }
 
 TEST(Safety, StopsAllMotors) {
@@ -151,7 +151,7 @@ TEST(Safety, GivesUpSafeWhereTheChargerIsPluggedIn) {
   EXPECT_EQ(robot.device.mode(), Mode::safe);
   robot.to_tick();
   EXPECT_EQ(robot.device.mode(), Mode::passive);
-  EXPECT_EQ(robot.device.last_hazard(), Hazard::charger);
+  EXPECT_EQ(robot.device.last_safety_condition(), SafetyCondition::charger);
   robot.to_tick();
   EXPECT_TRUE(robot.device.battery().charging()) << "again";
 }

@@ -30,13 +30,13 @@ TEST(Script, TogglesTheManualsLedOnBumps) {
   robot.send({152, 17, 158, 5, 158, 251, 139, 2, 0, 0, 158, 5, 158, 251, 139, 0, 0, 0, 153});
   robot.send({153});
   for (const bool lit : {true, false, true, false, true}) {
-    EXPECT_NE(robot.device.actuators().leds.play, lit);
+    EXPECT_NE(robot.device.actuators().lit(oi::Led::play), lit);
     robot.device.inputs().bump_left = true;
     robot.wait(100ms);
-    EXPECT_NE(robot.device.actuators().leds.play, lit) << "not before the bump is over";
+    EXPECT_NE(robot.device.actuators().lit(oi::Led::play), lit) << "not before the bump is over";
     robot.device.inputs().bump_left = false;
     robot.wait(100ms);
-    EXPECT_EQ(robot.device.actuators().leds.play, lit);
+    EXPECT_EQ(robot.device.actuators().lit(oi::Led::play), lit);
   }
 }
 
@@ -47,7 +47,7 @@ TEST(Script, DrivesTheManualsSquareForEver) {
   double farthest_mm = 0.0;
   for (int i = 0; i < 1000; ++i) {
     robot.to_tick();
-    const Pose pose = robot.device.truth().pose;
+    const WorldPose pose = robot.device.truth().pose;
     farthest_mm = std::max({farthest_mm, std::abs(pose.x_mm), std::abs(pose.y_mm)});
   }
   EXPECT_NEAR(farthest_mm, 400.0, 60.0);
@@ -58,7 +58,7 @@ TEST(Script, GoesOnLoopingWithoutAWaitAndStaysResponsive) {
   Scripted robot;
   robot.send({152, 5, 139, 10, 0, 0, 153, 153});
   robot.wait(1s);
-  EXPECT_TRUE(robot.device.actuators().leds.advance);
+  EXPECT_TRUE(robot.device.actuators().lit(oi::Led::advance));
   robot.send({142, 35});
   robot.wait(50ms);
   EXPECT_EQ(robot.receive(), (Bytes{3}));

@@ -9,7 +9,7 @@ namespace cargobay::hal::sim {
 namespace {
 
 // A spiral outward, from the origin, a millimetre at a time.
-Pose on_spiral(int i) {
+WorldPose on_spiral(int i) {
   const double angle_rad = std::sqrt(0.02 * i);
   return {50.0 * angle_rad * std::cos(angle_rad), 50.0 * angle_rad * std::sin(angle_rad),
           angle_rad};

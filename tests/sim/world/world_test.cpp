@@ -22,11 +22,11 @@ World world_of(std::string_view text) {
   return world ? *world : World{};
 }
 
-Pose at(double x_mm, double y_mm, double heading_deg) {
+WorldPose at(double x_mm, double y_mm, double heading_deg) {
   return {x_mm, y_mm, heading_deg * std::numbers::pi / 180.0};
 }
 
-Inputs seen_from(const World& world, const Pose& pose) {
+Inputs seen_from(const World& world, const WorldPose& pose) {
   Inputs inputs;
   world.sense(pose, inputs);
   return inputs;
@@ -152,7 +152,7 @@ TEST(World, StopsASafeRobotAtACliff) {
   robot.send({128, 131, 145, 1, 244, 1, 244});
   robot.wait(5s);
   EXPECT_EQ(robot.device.mode(), oi::Mode::passive);
-  EXPECT_EQ(robot.device.last_hazard(), Hazard::cliff);
+  EXPECT_EQ(robot.device.last_safety_condition(), SafetyCondition::cliff);
   EXPECT_LT(robot.device.truth().pose.x_mm, 900.0);
 }
 
@@ -216,7 +216,7 @@ TEST(World, KeepsACoveringRobotInTheRoomAndOffTheStairs) {
   robot.send({128, 135});
   for (int i = 0; i < 3000; ++i) {
     robot.wait(100ms);
-    const Pose pose = robot.device.truth().pose;
+    const WorldPose pose = robot.device.truth().pose;
     ASSERT_GT(pose.x_mm, 0.0);
     ASSERT_LT(pose.x_mm, 4000.0);
     ASSERT_GT(pose.y_mm, 0.0);
@@ -244,9 +244,9 @@ TEST(World, KeepsASafeRobotOnTheShippedTable) {
     robot.device.place(at(800, 500, heading_deg));
     robot.send({128, 131, 137, 1, 44, 0x80, 0});
     robot.wait(8s);
-    const Pose pose = robot.device.truth().pose;
+    const WorldPose pose = robot.device.truth().pose;
     EXPECT_EQ(robot.device.mode(), oi::Mode::passive) << heading_deg;
-    EXPECT_TRUE(robot.device.last_hazard()) << heading_deg;
+    EXPECT_TRUE(robot.device.last_safety_condition()) << heading_deg;
     EXPECT_LT(std::abs(pose.x_mm - 800.0), 800.0) << heading_deg;
     EXPECT_LT(std::abs(pose.y_mm - 500.0), 500.0) << heading_deg;
   }
