@@ -22,6 +22,9 @@ class BitSet {
     return BitSet{static_cast<std::uint8_t>(raw_ & ~mask(flag))};
   }
   friend constexpr bool operator==(BitSet, BitSet) = default;
+  friend constexpr BitSet operator&(BitSet a, BitSet b) {
+    return BitSet{static_cast<std::uint8_t>(a.raw_ & b.raw_)};
+  }
 
  private:
   static constexpr std::uint8_t mask(Flag flag) {

@@ -19,17 +19,6 @@ namespace cargobay::oi {
 // OI mode, the value of packet 35 (OI p. 6).
 enum class Mode : std::uint8_t { off = 0, passive = 1, safe = 2, full = 3 };
 
-// The mode's name in the manual, in lower case; "unknown" for a value it does not have.
-constexpr std::string_view name(Mode mode) {
-  switch (mode) {
-    case Mode::off: return "off";
-    case Mode::passive: return "passive";
-    case Mode::safe: return "safe";
-    case Mode::full: return "full";
-  }
-  return "unknown";
-}
-
 // One number in a command, as it travels.
 struct ArgumentInfo {
   std::string_view name;

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "oi/bit_set.hpp"
 #include "oi/checksum.hpp"
@@ -83,12 +82,21 @@ enum class InfraredCharacter : std::uint8_t {
   none = 255,
 };
 
-// Their names, in lower case; "unknown" for a value that the manual does not name.
-std::string_view name(ChargingState state);
-std::string_view name(InfraredCharacter character);
-
-// The name of one bit of a packet that is a bit set; empty if the manual gives it none.
-std::string_view bit_name(PacketId packet, unsigned bit);
+// What a Home Base lights the receiver with: bits of its characters, which are the even ones from
+// home_base_reserved on.
+enum class HomeBaseBeam : std::uint8_t { force_field = 1, green_buoy = 2, red_buoy = 3 };
+using HomeBaseBeams = BitSet<HomeBaseBeam>;
+// None for a character that is not a Home Base's.
+constexpr HomeBaseBeams home_base_beams(InfraredCharacter character) {
+  const int bits =
+      static_cast<int>(character) - static_cast<int>(InfraredCharacter::home_base_reserved);
+  return HomeBaseBeams{bits < 0 || bits % 2 != 0 ? std::uint8_t{0}
+                                                 : static_cast<std::uint8_t>(bits)};
+}
+constexpr InfraredCharacter infrared_character(HomeBaseBeams beams) {
+  return InfraredCharacter{static_cast<std::uint8_t>(
+      static_cast<unsigned>(InfraredCharacter::home_base_reserved) + beams.raw())};
+}
 
 class SensorValues {
  public:

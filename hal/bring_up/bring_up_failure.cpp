@@ -4,6 +4,7 @@
 
 #include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::hal {
 namespace {

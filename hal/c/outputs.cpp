@@ -16,6 +16,7 @@
 #include "oi/text/rtttl.hpp"
 #include "oi/text/script_text.hpp"
 #include "oi/text/song.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::c {
 namespace {

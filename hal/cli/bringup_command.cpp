@@ -21,6 +21,7 @@
 #include "hal/sim/remote/virtual_create.hpp"
 #include "hal/stream/write_all.hpp"
 #include "oi/encode.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -37,11 +38,6 @@ struct BringupOptions {
   bool builtin = false;
   std::string json_file;
 };
-
-oi::Mode mode_of(const std::string& word) {
-  if (word == "safe") return oi::Mode::safe;
-  return word == "full" ? oi::Mode::full : oi::Mode::passive;
-}
 
 // Nothing listens from here on. If Safe or Full was asked for, the robot is left in that mode.
 std::optional<hal::Failure> end_stream(hal::ByteStream& stream, oi::Mode mode, hal::Duty& duty) {
@@ -102,7 +98,7 @@ int bring_up(const BringupOptions& options) {
   auto stream = open_for_use(record.port, record.baud);
   if (!stream) return fail(stream.failure());
 
-  const oi::Mode mode = mode_of(options.mode);
+  const oi::Mode mode = *oi::value_named<oi::Mode>(options.mode);  // checked
   auto duty = hal::Duty::begin(**stream, {}, 0);
   if (!duty) return fail(duty.failure());
   std::optional<int> signal;

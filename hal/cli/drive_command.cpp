@@ -33,6 +33,7 @@
 #include "hal/robot/robot.hpp"
 #include "hal/sim/line/server.hpp"
 #include "oi/limits.hpp"
+#include "oi/value_names.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::cli {

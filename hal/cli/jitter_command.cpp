@@ -199,14 +199,15 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   std::string port = config->port;
   robot.link = fmt::format("{} at {} baud", port, *config->baud);
   if (port.empty()) {
-    auto create = hal::sim::VirtualCreate::start({}, 57600, options.priority + 5);
+    auto create = hal::sim::VirtualCreate::start({}, oi::kDefaultBaud, options.priority + 5);
     if (!create) return create.failure();
     robot.create = std::move(*create);
     port = robot.create->server().path();
     request.server = &robot.create->server();
-    robot.link = fmt::format("virtual Create on {} at 57600 baud, frames every 15 ms", port);
+    robot.link =
+        fmt::format("virtual Create on {} at {} baud, frames every 15 ms", port, oi::kDefaultBaud);
   }
-  auto stream = open_for_use(port, robot.create ? 57600 : *config->baud);
+  auto stream = open_for_use(port, robot.create ? oi::kDefaultBaud : *config->baud);
   if (!stream) return stream.failure();
   request.robot = std::move(*stream);
   return robot;

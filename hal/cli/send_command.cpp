@@ -27,6 +27,7 @@
 #include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/text/command_text.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::cli {
 namespace {

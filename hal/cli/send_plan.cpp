@@ -6,6 +6,7 @@
 
 #include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "hal/port/port_users.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -14,13 +15,20 @@ struct HazardWords {
   std::string_view words;
 };
 constexpr std::array kHazardWords{
-    HazardWords{Hazard::wheel_drop_left, "wheel_drop_left", "the left wheel is off the floor"},
-    HazardWords{Hazard::wheel_drop_right, "wheel_drop_right", "the right wheel is off the floor"},
-    HazardWords{Hazard::wheel_drop_front, "wheel_drop_front", "the front wheel is off the floor"},
-    HazardWords{Hazard::cliff_left, "cliff_left", "a cliff on the left"},
-    HazardWords{Hazard::cliff_front_left, "cliff_front_left", "a cliff at the front left"},
-    HazardWords{Hazard::cliff_front_right, "cliff_front_right", "a cliff at the front right"},
-    HazardWords{Hazard::cliff_right, "cliff_right", "a cliff on the right"},
+    HazardWords{Hazard::wheel_drop_left, oi::name(oi::Bump::wheel_drop_left),
+                "the left wheel is off the floor"},
+    HazardWords{Hazard::wheel_drop_right, oi::name(oi::Bump::wheel_drop_right),
+                "the right wheel is off the floor"},
+    HazardWords{Hazard::wheel_drop_front, oi::name(oi::Bump::wheel_drop_front),
+                "the front wheel is off the floor"},
+    HazardWords{Hazard::cliff_left, oi::kCreate.packet(oi::PacketId::cliff_left).key,
+                "a cliff on the left"},
+    HazardWords{Hazard::cliff_front_left, oi::kCreate.packet(oi::PacketId::cliff_front_left).key,
+                "a cliff at the front left"},
+    HazardWords{Hazard::cliff_front_right, oi::kCreate.packet(oi::PacketId::cliff_front_right).key,
+                "a cliff at the front right"},
+    HazardWords{Hazard::cliff_right, oi::kCreate.packet(oi::PacketId::cliff_right).key,
+                "a cliff on the right"},
     HazardWords{Hazard::charger, "charger", "the charger is plugged in"},
 };
 
@@ -140,7 +148,7 @@ const EventRow& row(EventKind what) { return kEvents[static_cast<std::size_t>(wh
 
 Bumps bumps_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
   constexpr auto kBoth = Bumps{}.with(oi::Bump::bump_left).with(oi::Bump::bump_right);
-  return Bumps{static_cast<std::uint8_t>(frame.bumps_and_wheel_drops().raw() & kBoth.raw())};
+  return frame.bumps_and_wheel_drops() & kBoth;
 }
 
 Hazards hazards_in(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {

@@ -5,93 +5,63 @@
 #include "oi/baud.hpp"
 #include "oi/commands.hpp"
 #include "oi/packet_table.hpp"
+#include "oi/text/song.hpp"
 
 namespace cargobay::oi {
 namespace {
 
-constexpr std::array<ValueName, 3> kRadii{{{"straight", kStraight.value},
-                                           {"clockwise", kTurnClockwise.value},
-                                           {"counter_clockwise", kTurnCounterClockwise.value}}};
-constexpr std::array<ValueName, 11> kDemos{{{"abort", -1},
-                                            {"cover", 0},
-                                            {"cover_and_dock", 1},
-                                            {"spot_cover", 2},
-                                            {"mouse", 3},
-                                            {"drive_figure_eight", 4},
-                                            {"wimp", 5},
-                                            {"home", 6},
-                                            {"tag", 7},
-                                            {"pachelbel", 8},
-                                            {"banjo", 9}}};
-constexpr std::array<ValueName, 44> kEvents{{
-    {"wheel_drop", 1},
-    {"no_wheel_drop", -1},
-    {"front_wheel_drop", 2},
-    {"no_front_wheel_drop", -2},
-    {"left_wheel_drop", 3},
-    {"no_left_wheel_drop", -3},
-    {"right_wheel_drop", 4},
-    {"no_right_wheel_drop", -4},
-    {"bump", 5},
-    {"no_bump", -5},
-    {"left_bump", 6},
-    {"no_left_bump", -6},
-    {"right_bump", 7},
-    {"no_right_bump", -7},
-    {"virtual_wall", 8},
-    {"no_virtual_wall", -8},
-    {"wall", 9},
-    {"no_wall", -9},
-    {"cliff", 10},
-    {"no_cliff", -10},
-    {"left_cliff", 11},
-    {"no_left_cliff", -11},
-    {"front_left_cliff", 12},
-    {"no_front_left_cliff", -12},
-    {"front_right_cliff", 13},
-    {"no_front_right_cliff", -13},
-    {"right_cliff", 14},
-    {"no_right_cliff", -14},
-    {"home_base", 15},
-    {"no_home_base", -15},
-    {"advance_button", 16},
-    {"no_advance_button", -16},
-    {"play_button", 17},
-    {"no_play_button", -17},
-    {"digital_input_0", 18},
-    {"no_digital_input_0", -18},
-    {"digital_input_1", 19},
-    {"no_digital_input_1", -19},
-    {"digital_input_2", 20},
-    {"no_digital_input_2", -20},
-    {"digital_input_3", 21},
-    {"no_digital_input_3", -21},
-    {"mode_passive", 22},
-    {"no_mode_passive", -22},
-}};
-constexpr std::array<ValueName, 2> kStreamStates{{{"pause", 0}, {"resume", 1}}};
-constexpr std::array<ValueName, 1> kNotes{{{"rest", 0}}};
-constexpr std::array<ValueName, 2> kLeds{{{"play", 0b0010}, {"advance", 0b1000}}};
-constexpr std::array<ValueName, 3> kDrivers{
-    {{"driver_0", 0b001}, {"driver_1", 0b010}, {"driver_2", 0b100}}};
-constexpr std::array<ValueName, 3> kOutputs{
-    {{"output_0", 0b001}, {"output_1", 0b010}, {"output_2", 0b100}}};
-constexpr std::array<ValueName, kBaudRates.size()> kRates{{{"300", 0},
-                                                           {"600", 1},
-                                                           {"1200", 2},
-                                                           {"2400", 3},
-                                                           {"4800", 4},
-                                                           {"9600", 5},
-                                                           {"14400", 6},
-                                                           {"19200", 7},
-                                                           {"28800", 8},
-                                                           {"38400", 9},
-                                                           {"57600", 10},
-                                                           {"115200", 11}}};
+constexpr auto kRadii =
+    std::to_array<ValueName>({{kStraight.value, "straight"},
+                              {kTurnClockwise.value, "clockwise"},
+                              {kTurnCounterClockwise.value, "counter_clockwise"}});
+constexpr auto kNotes = std::to_array<ValueName>({{kRest, kRestName}});
+
+// Names made of others, each with a zero after it.
+template <std::size_t kCount>
+using Texts = std::array<std::array<char, 32>, kCount>;
+
+constexpr auto kInverseTexts = [] {
+  Texts<kValueNames<Event>.size()> texts{};
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    TextWriter text{texts[i]};
+    text.put("no_");
+    text.put(kValueNames<Event>[i].name);
+  }
+  return texts;
+}();
+constexpr auto kEvents = [] {
+  std::array<ValueName, 2 * kInverseTexts.size()> names{};
+  for (std::size_t i = 0; i < kInverseTexts.size(); ++i) {
+    const ValueName& event = kValueNames<Event>[i];
+    names[2 * i] = event;
+    names[2 * i + 1] = {-event.value, kInverseTexts[i].data()};
+  }
+  return names;
+}();
+constexpr auto kRateTexts = [] {
+  Texts<kBaudRates.size()> texts{};
+  for (std::size_t code = 0; code < texts.size(); ++code)
+    TextWriter{texts[code]}.put_number(kBaudRates[code]);
+  return texts;
+}();
+constexpr auto kRates = [] {
+  std::array<ValueName, kBaudRates.size()> names{};
+  for (std::size_t code = 0; code < names.size(); ++code)
+    names[code] = {code, kRateTexts[code].data()};
+  return names;
+}();
+
+// Flags by what they add to the number.
+template <typename Flag>
+constexpr auto kBits = [] {
+  auto bits = kValueNames<Flag>;
+  for (ValueName& bit : bits) bit.value = 1 << bit.value;
+  return bits;
+}();
+
 constexpr std::array<ValueName, kPacketCount> kPacketNames = [] {
   std::array<ValueName, kPacketCount> names{};
-  for (std::size_t id = 0; id < kPacketCount; ++id)
-    names[id] = {kPackets[id].key, static_cast<std::int32_t>(id)};
+  for (std::size_t id = 0; id < kPacketCount; ++id) names[id] = {id, kPackets[id].key};
   return names;
 }();
 
@@ -100,14 +70,14 @@ struct NamedArgument {
   std::span<const ValueName> names;
 };
 constexpr std::array<NamedArgument, 10> kNamedArguments{{{"code", kRates},
-                                                         {"demo", kDemos},
+                                                         {"demo", kValueNames<DemoNumber>},
                                                          {"radius", kRadii},
-                                                         {"drivers", kDrivers},
-                                                         {"leds", kLeds},
+                                                         {"drivers", kBits<LowSideDriver>},
+                                                         {"leds", kBits<Led>},
                                                          {"note", kNotes},
                                                          {"packet", kPacketNames},
-                                                         {"outputs", kOutputs},
-                                                         {"state", kStreamStates},
+                                                         {"outputs", kBits<DigitalOutput>},
+                                                         {"state", kValueNames<StreamState>},
                                                          {"event", kEvents}}};
 
 // Every name belongs to an argument in the command table, and means a value that it accepts.
@@ -153,10 +123,7 @@ std::span<const ValueName> value_names(const ArgumentInfo& argument) {
 }
 
 std::string_view value_name(const ArgumentInfo& argument, std::int32_t value) {
-  for (const ValueName& name : value_names(argument)) {
-    if (name.value == value) return name.name;
-  }
-  return {};
+  return name_in(value_names(argument), value);
 }
 
 std::optional<std::int32_t> named_value(const ArgumentInfo& argument, std::string_view name) {

@@ -1,4 +1,4 @@
-// The values that the manual gives a name: `straight`, `no_bump`, `play`, `distance`. For the text
+// The named values of commands' arguments: `straight`, `no_bump`, `play`, `distance`. For the text
 // form of commands, for messages and for documentation.
 #pragma once
 
@@ -9,13 +9,9 @@
 
 #include "oi/command_table.hpp"
 #include "oi/text/text_writer.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::oi {
-
-struct ValueName {
-  std::string_view name;
-  std::int32_t value = 0;  // for a bit set: that one bit
-};
 
 // A bit set is written as the names of its bits with commas between; kNoBits for none.
 constexpr bool is_bit_set(const ArgumentInfo& argument) {
@@ -24,7 +20,7 @@ constexpr bool is_bit_set(const ArgumentInfo& argument) {
 inline constexpr std::string_view kNone = "none";
 
 // All names for values of this argument of the command table; most arguments have none. Those of a
-// baud code are the rates, in digits.
+// baud code are the rates, in digits; those of a bit set, its bits, each with its value.
 std::span<const ValueName> value_names(const ArgumentInfo& argument);
 
 // The name of a value, empty if it has none; and back.

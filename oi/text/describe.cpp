@@ -8,6 +8,7 @@
 #include "oi/parse.hpp"
 #include "oi/text/argument_names.hpp"
 #include "oi/text/command_text.hpp"
+#include "oi/text/song.hpp"
 
 namespace cargobay::oi {
 namespace {
@@ -26,8 +27,6 @@ void write_seconds(TextWriter& out, std::int32_t count, std::int32_t per_second)
   out.put(" s)");
 }
 
-bool is_rest(std::int32_t note) { return note < 31 || note > 127; }  // OI p. 11
-
 // `radius straight`, `velocity -200 mm/s`, `packet 19 distance`.
 void write_meaning(TextWriter& out, const ArgumentInfo& argument, std::int32_t value) {
   out.put(argument.name);
@@ -42,8 +41,9 @@ void write_meaning(TextWriter& out, const ArgumentInfo& argument, std::int32_t v
     out.put(argument.name == "code" ? ": " : " ");
     out.put(name);
     if (argument.name == "code") out.put(" baud");
-  } else if (argument.name == "note" && is_rest(value)) {
-    out.put(" rest");
+  } else if (argument.name == "note" && is_rest(static_cast<std::uint8_t>(value))) {
+    out.put(" ");
+    out.put(kRestName);
   }
   if (name.empty() && argument.unit != Unit::none) {
     out.put(" ");

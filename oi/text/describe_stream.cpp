@@ -7,6 +7,7 @@
 #include "oi/sensors.hpp"
 #include "oi/text/describe.hpp"
 #include "oi/text_tail.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::oi {
 namespace {
@@ -14,25 +15,13 @@ namespace {
 using Kind = Annotation::Kind;
 using Bytes = std::span<const std::uint8_t>;
 
-std::string_view code_name(PacketId packet, std::int32_t value) {
-  const auto code = static_cast<std::uint8_t>(value);
-  switch (packet) {
-    case PacketId::charging_state: return name(ChargingState{code});
-    case PacketId::oi_mode: return name(Mode{code});
-    case PacketId::infrared_byte: return name(InfraredCharacter{code});
-    default: return {};
-  }
-}
-
 void write_bits(TextWriter& out, PacketId packet, std::int32_t value) {
   std::string_view before = "(";
-  for (unsigned bit = 0; bit < 8; ++bit) {
-    if ((static_cast<std::uint32_t>(value) >> bit & 1U) == 0) continue;
-    const std::string_view name = bit_name(packet, bit);
+  visit_bits(packet, value, [&](std::string_view name) {
     out.put(before);
-    out.put(name.empty() ? "unnamed bit" : name);
+    out.put(name);
     before = ", ";
-  }
+  });
   out.put(before == "(" ? "(none)" : ")");
 }
 
@@ -264,7 +253,7 @@ void write_sensor_value(TextWriter& out, PacketId packet, std::int32_t value) {
     out.put(code);
     return out.put(")");
   }
-  if (!bit_name(packet, 0).empty()) {
+  if (is_bit_set(packet)) {
     out.put(" ");
     return write_bits(out, packet, value);
   }

@@ -7,7 +7,6 @@
 namespace cargobay::oi {
 namespace {
 
-constexpr std::string_view kRestName = "rest";
 constexpr int kSemitones = 12;
 constexpr std::array<std::string_view, kSemitones> kNames{"c",  "c#", "d",  "d#", "e",  "f",
                                                           "f#", "g",  "g#", "a",  "a#", "b"};

@@ -21,6 +21,7 @@ namespace cargobay::oi {
 inline constexpr std::uint8_t kLowestNote = 31;
 inline constexpr std::uint8_t kHighestNote = 127;
 inline constexpr std::uint8_t kRest = 0;
+inline constexpr std::string_view kRestName = "rest";
 inline constexpr std::int32_t kMaxNoteDuration = 255;  // 1/64 s
 
 constexpr bool is_rest(std::uint8_t number) {

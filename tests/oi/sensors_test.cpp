@@ -10,6 +10,7 @@
 #include "oi/commands.hpp"
 #include "oi/dialect.hpp"
 #include "oi/limits.hpp"
+#include "oi/value_names.hpp"
 #include "tests/oi/feed.hpp"
 
 namespace cargobay::oi {

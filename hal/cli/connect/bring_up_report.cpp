@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "oi/value_names.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::cli {

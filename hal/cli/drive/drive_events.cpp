@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oi/limits.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::cli {
 namespace {

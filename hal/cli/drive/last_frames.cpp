@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "oi/value_names.hpp"
+
 namespace cargobay::cli {
 namespace {
 

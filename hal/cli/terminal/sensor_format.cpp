@@ -7,30 +7,16 @@
 #include <nlohmann/json.hpp>
 
 #include "oi/dialect.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::cli {
 namespace {
 
 using oi::PacketId;
 
-// The meaning of a packet that is a code; empty if it is a number or bits.
-std::string_view code_name(PacketId packet, const oi::SensorValues& values) {
-  switch (packet) {
-    case PacketId::charging_state: return oi::name(values.charging_state());
-    case PacketId::oi_mode: return oi::name(values.mode());
-    case PacketId::infrared_byte: return oi::name(values.infrared());
-    default: return {};
-  }
-}
-
-bool is_bit_set(PacketId packet) { return !oi::bit_name(packet, 0).empty(); }
-
 std::vector<std::string_view> bit_names(PacketId packet, std::int32_t raw) {
   std::vector<std::string_view> names;
-  for (unsigned bit = 0; bit < 8; ++bit) {
-    const std::string_view name = oi::bit_name(packet, bit);
-    if ((raw >> bit & 1) != 0) names.push_back(name.empty() ? "unnamed bit" : name);
-  }
+  oi::visit_bits(packet, raw, [&](std::string_view name) { names.push_back(name); });
   return names;
 }
 
@@ -49,9 +35,9 @@ std::vector<PacketId> singles(const std::vector<PacketId>& packets) {
 
 std::string text(PacketId packet, const oi::SensorValues& values) {
   const std::int32_t raw = values.raw(packet);
-  if (const std::string_view name = code_name(packet, values); !name.empty())
+  if (const std::string_view name = oi::code_name(packet, raw); !name.empty())
     return fmt::format("{} ({})", raw, name);
-  if (is_bit_set(packet)) {
+  if (oi::is_bit_set(packet)) {
     const auto names = bit_names(packet, raw);
     return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
   }
@@ -64,9 +50,9 @@ std::string json_line(const std::vector<PacketId>& packets, const oi::SensorValu
   for (const PacketId packet : singles(packets)) {
     const std::string key{info(packet).key};
     out[key] = values.raw(packet);
-    if (const std::string_view name = code_name(packet, values); !name.empty())
+    if (const std::string_view name = oi::code_name(packet, values.raw(packet)); !name.empty())
       out[key + "_name"] = name;
-    if (is_bit_set(packet)) out[key + "_names"] = bit_names(packet, values.raw(packet));
+    if (oi::is_bit_set(packet)) out[key + "_names"] = bit_names(packet, values.raw(packet));
   }
   return out.dump();
 }

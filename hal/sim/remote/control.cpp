@@ -9,7 +9,7 @@
 
 #include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/fault_command.hpp"
-#include "oi/sensors.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -24,12 +24,6 @@ constexpr double kFastestMmPerSec = 1000.0;
 std::optional<bool> either(std::string_view word, std::string_view yes, std::string_view no) {
   if (word == yes) return true;
   if (word == no) return false;
-  return std::nullopt;
-}
-
-std::optional<oi::Button> button(std::string_view word) {
-  if (word == "play") return oi::Button::play;
-  if (word == "advance") return oi::Button::advance;
   return std::nullopt;
 }
 
@@ -87,7 +81,7 @@ bool set_bump(Inputs& inputs, std::string_view rest) {
 }
 
 bool press(Device& device, std::string_view rest) {
-  const std::optional<oi::Button> which = button(next_word(rest));
+  const std::optional<oi::Button> which = oi::value_named<oi::Button>(next_word(rest));
   const std::string_view word = next_word(rest);
   const std::optional<double> ms =
       word.empty() ? kShortPressMs : to_number(word, 0.0, kLongestPressMs);
@@ -97,7 +91,7 @@ bool press(Device& device, std::string_view rest) {
 }
 
 bool set_button(Inputs& inputs, std::string_view rest, bool down) {
-  const std::optional<oi::Button> which = button(next_word(rest));
+  const std::optional<oi::Button> which = oi::value_named<oi::Button>(next_word(rest));
   if (!which || !no_more_words(rest)) return false;
   (*which == oi::Button::play ? inputs.play_button : inputs.advance_button) = down;
   return true;

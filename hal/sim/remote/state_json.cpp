@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "hal/sim/remote/control.hpp"
-#include "oi/sensors.hpp"
+#include "oi/value_names.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -55,8 +55,8 @@ JsonObject speeds(WheelSpeeds speeds) {
 
 JsonObject leds(const Actuators& actuators) {
   return JsonObject{}
-      .truth("play", actuators.lit(oi::Led::play))
-      .truth("advance", actuators.lit(oi::Led::advance))
+      .truth(oi::name(oi::Led::play), actuators.lit(oi::Led::play))
+      .truth(oi::name(oi::Led::advance), actuators.lit(oi::Led::advance))
       .integer("power_color", actuators.leds.power_color)
       .integer("power_intensity", actuators.leds.power_intensity);
 }
