@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "oi/sensors.hpp"
+
 namespace cargobay::hal::sim {
 
 struct CliffSensor {
@@ -12,14 +14,7 @@ struct CliffSensor {
   std::uint16_t signal = 1200;  // 0 to 4095: reflected light, high over floor
 };
 
-inline constexpr std::uint8_t kNoInfrared = 255;
-
-// What a Home Base sends: 240, plus 8 for its red buoy, 4 for its green one, 2 for its force field
-// (OI p. 18). A docked robot sees all three.
-inline constexpr std::uint8_t kInfraredWhenDocked = 254;
-constexpr bool has_force_field(std::uint8_t infrared) {
-  return infrared >= 240 && (infrared & 0b11U) == 0b10U;
-}
+inline constexpr auto kNoInfrared = static_cast<std::uint8_t>(oi::InfraredCharacter::none);
 
 struct Inputs {
   bool bump_left = false;
@@ -45,6 +40,8 @@ struct Inputs {
   bool charger = false;    // plugged in and powered
   bool home_base = false;  // docked on a powered Home Base
 
+  // Of a Home Base.
+  oi::HomeBaseBeams beams() const { return oi::home_base_beams(oi::InfraredCharacter{infrared}); }
   bool any_wheel_drop() const { return wheel_drop_left || wheel_drop_right || wheel_drop_caster; }
   bool any_cliff() const {
     return cliff_left.cliff || cliff_front_left.cliff || cliff_front_right.cliff ||

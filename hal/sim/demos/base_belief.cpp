@@ -45,13 +45,13 @@ double BaseBelief::cost(const Place& place, const Sighting& sighting) {
     return std::min(reach_mm, away_mm * std::min(off + kLitOverlapRad, kLitWideRad - off));
   };
   double wrong_mm = 0.0;
-  const auto compare = [&](std::uint8_t bit, double depth_mm) {
-    wrong_mm += std::max((sighting.light & bit) != 0 ? -depth_mm : depth_mm, 0.0);
+  const auto compare = [&](oi::HomeBaseBeam beam, double depth_mm) {
+    wrong_mm += std::max(sighting.light.has(beam) ? -depth_mm : depth_mm, 0.0);
   };
-  compare(kRedLight, inside_mm(1.0));
-  compare(kGreenLight, inside_mm(-1.0));
-  compare(kFieldLight, kInFieldMm - away_mm);
-  return std::min(kCostPerMm * wrong_mm, sighting.light == 0 ? kMostHiddenCost : kMostCost);
+  compare(oi::HomeBaseBeam::red_buoy, inside_mm(1.0));
+  compare(oi::HomeBaseBeam::green_buoy, inside_mm(-1.0));
+  compare(oi::HomeBaseBeam::force_field, kInFieldMm - away_mm);
+  return std::min(kCostPerMm * wrong_mm, sighting.light.any() ? kMostCost : kMostHiddenCost);
 }
 
 double BaseBelief::cost(const Place& place) const {
@@ -60,8 +60,8 @@ double BaseBelief::cost(const Place& place) const {
   return sum;
 }
 
-void BaseBelief::see(double x_mm, double y_mm, std::uint8_t light) {
-  if (seen_ == 0 && light == 0) return;
+void BaseBelief::see(double x_mm, double y_mm, oi::HomeBaseBeams light) {
+  if (seen_ == 0 && !light.any()) return;
   const Sighting sighting{.x_mm = x_mm, .y_mm = y_mm, .light = light};
   if (seen_ == 0) {
     remember(sighting);

@@ -12,13 +12,9 @@
 #include <optional>
 
 #include "hal/sim/random.hpp"
+#include "oi/sensors.hpp"
 
 namespace cargobay::hal::sim {
-
-// Bits of the infrared byte of a Home Base.
-inline constexpr std::uint8_t kRedLight = 0b1000;
-inline constexpr std::uint8_t kGreenLight = 0b100;
-inline constexpr std::uint8_t kFieldLight = 0b10;
 
 class BaseBelief {
  public:
@@ -30,7 +26,7 @@ class BaseBelief {
 
   void forget() { *this = {}; }
   // Light, or none, where the robot is now. Nothing is remembered before the first light.
-  void see(double x_mm, double y_mm, std::uint8_t light);
+  void see(double x_mm, double y_mm, oi::HomeBaseBeams light);
   // Nothing while places far from each other agree with it as well.
   std::optional<Place> estimate() const;
 
@@ -38,7 +34,7 @@ class BaseBelief {
   struct Sighting {
     double x_mm = 0.0;
     double y_mm = 0.0;
-    std::uint8_t light = 0;
+    oi::HomeBaseBeams light{};
   };
   struct Guess {
     Place place{};

@@ -52,12 +52,11 @@ inline bool bumped_both(const Inputs& seen) { return seen.bump_left && seen.bump
 inline bool met_on_the_left(const Inputs& seen) {
   return seen.bump_left || seen.cliff_left.cliff || seen.cliff_front_left.cliff;
 }
-// Any of the bytes 242 to 254: a buoy, the force field, or some of them together.
-inline bool sees_home_base(const Inputs& seen) {
-  return seen.infrared >= 242 && seen.infrared <= 254;
-}
+inline constexpr auto kRedBuoy = oi::HomeBaseBeams{}.with(oi::HomeBaseBeam::red_buoy);
+inline constexpr auto kGreenBuoy = oi::HomeBaseBeams{}.with(oi::HomeBaseBeam::green_buoy);
+inline constexpr auto kBothBuoys = kRedBuoy.with(oi::HomeBaseBeam::green_buoy);
 inline bool sees_both_buoys(const Inputs& seen) {
-  return seen.infrared == 252 || seen.infrared == 254;
+  return (seen.beams() & kBothBuoys) == kBothBuoys;
 }
 
 // Back for so far, then around on the spot. With no way back it first lets the wheels come to rest:

@@ -97,7 +97,7 @@ Demos::Action Demos::cover(const View& view, bool docks) {
   if (seen.home_base || seen.charger) return {.over = true};
   if (docks) docking_.watch(view);
   const bool again = view.now >= docks_again_at_ || (gave_up_ < 3 && sees_both_buoys(seen));
-  if (docks && !docking_.active() && sees_home_base(seen) && again) {
+  if (docks && !docking_.active() && seen.beams().any() && again) {
     docking_.start(view);
   }
   if (!docking_.active()) return {.wheels = cover_.step(view)};

@@ -8,8 +8,6 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr std::uint8_t kBoth = kRedLight | kGreenLight;
-
 constexpr double kFarMmPerSec = 230.0;
 constexpr double kNearMmPerSec = 100.0;   // in the force field
 constexpr double kBaselineMm = 80.0;      // two places on an edge so far apart tell its direction
@@ -33,11 +31,7 @@ constexpr double kTooNearMm = 250.0;  // no room to get to the way in
 constexpr rt::Duration kLongest = std::chrono::seconds{90};
 constexpr rt::Duration kLongestUnknown = std::chrono::seconds{30};
 
-std::uint8_t light(const Inputs& seen) {
-  return sees_home_base(seen) ? static_cast<std::uint8_t>(seen.infrared & (kBoth | kFieldLight))
-                              : std::uint8_t{0};
-}
-bool in_field(const Inputs& seen) { return (light(seen) & kFieldLight) != 0; }
+bool in_field(const Inputs& seen) { return seen.beams().has(oi::HomeBaseBeam::force_field); }
 
 }  // namespace
 
@@ -50,7 +44,7 @@ void Docking::reset(const DemoView& view) {
 
 void Docking::watch(const DemoView& view) {
   reckon(view);
-  belief_.see(x_mm_, y_mm_, light(*view.seen));
+  belief_.see(x_mm_, y_mm_, view.seen->beams());
 }
 
 void Docking::start(const DemoView& view) {
@@ -58,8 +52,8 @@ void Docking::start(const DemoView& view) {
   evasion_.stop();
   started_at_ = view.now;
   met_ = 0;
-  buoys_ = 0;
-  last_colour_ = 0;
+  buoys_ = {};
+  last_colour_ = {};
   seen_mm_ = way_mm_;
   back_mm_ = way_mm_;
   leg_end_mm_ = way_mm_;
@@ -67,7 +61,7 @@ void Docking::start(const DemoView& view) {
   lit_ = {};
   forget();
   // In the force field alone there is no telling where the buoys are.
-  if ((light(*view.seen) & kBoth) == 0) {
+  if (!(view.seen->beams() & kBothBuoys).any()) {
     leg_deg_ = view.turned_deg;
     leg_end_mm_ = way_mm_ + kShadowMm;
   }
@@ -92,29 +86,29 @@ void Docking::reckon(const DemoView& view) {
 }
 
 void Docking::look(const DemoView& view) {
-  const std::uint8_t seen = light(*view.seen);
-  if (seen != 0) seen_mm_ = way_mm_;
-  const auto buoys = static_cast<std::uint8_t>(seen & kBoth);
-  if (seen != 0) (buoys != 0 ? lit_ : field_).add(x_mm_, y_mm_);
+  const oi::HomeBaseBeams seen = view.seen->beams();
+  if (seen.any()) seen_mm_ = way_mm_;
+  const oi::HomeBaseBeams buoys = seen & kBothBuoys;
+  if (seen.any()) (buoys.any() ? lit_ : field_).add(x_mm_, y_mm_);
   if (buoys == buoys_) return;
   // Backing off and turning it crosses an edge the other way round.
   if (!evasion_.active()) cross(buoys_, buoys);
-  if (buoys == kBoth || buoys_ == kBoth || (buoys != 0 && buoys != last_colour_)) {
+  if (buoys == kBothBuoys || buoys_ == kBothBuoys || (buoys.any() && buoys != last_colour_)) {
     buoys_since_deg_ = view.turned_deg;
   }
   buoys_since_mm_ = way_mm_;
   buoys_ = buoys;
-  if (buoys == kRedLight || buoys == kGreenLight) last_colour_ = buoys;
+  if (buoys == kRedBuoy || buoys == kGreenBuoy) last_colour_ = buoys;
 }
 
-void Docking::cross(std::uint8_t from, std::uint8_t to) {
-  const bool at_edge = from != 0 && to != 0 && (from == kBoth || to == kBoth);
+void Docking::cross(oi::HomeBaseBeams from, oi::HomeBaseBeams to) {
+  const bool at_edge = from.any() && to.any() && (from == kBothBuoys || to == kBothBuoys);
   if (!at_edge) return;
   leg_end_mm_ = way_mm_;
-  circles_ = from == kBoth;
+  circles_ = from == kBothBuoys;
   // Green's light ends on the red side of the middle.
-  const std::uint8_t alone = from == kBoth ? to : from;
-  Edge& edge = edges_[alone == kRedLight ? 0 : 1];
+  const oi::HomeBaseBeams alone = from == kBothBuoys ? to : from;
+  Edge& edge = edges_[alone == kRedBuoy ? 0 : 1];
   if (!edge.known) {
     edge = {.known = true, .x_mm = x_mm_, .y_mm = y_mm_};
     return;
@@ -124,7 +118,7 @@ void Docking::cross(std::uint8_t from, std::uint8_t to) {
   if (std::hypot(along_x_mm, along_y_mm) < kBaselineMm) return;
   double direction_deg = std::atan2(along_y_mm, along_x_mm) * 180.0 / std::numbers::pi;
   // Toward the base red is on the right: what leads out of it leads to the left.
-  const bool leftward = (alone == kRedLight) == (to == kBoth);
+  const bool leftward = (alone == kRedBuoy) == (to == kBothBuoys);
   const double across = std::sin(radians(last_turned_deg_ - direction_deg));
   if ((across > 0.0) != leftward) direction_deg += 180.0;
   heading_deg_ = last_turned_deg_ + std::remainder(direction_deg - last_turned_deg_, 360.0);
@@ -194,7 +188,7 @@ WheelSpeeds Docking::meet(const DemoView& view) {
   ++met_;
   // At the base, and missed it by little: back the way it came, and once more.
   const bool near = in_field(seen) && !seen.any_cliff();
-  if (heading_deg_ && near && buoys_ != 0 && met_ % 3 != 0) return evade(view, 300.0, 0.0, 0.0);
+  if (heading_deg_ && near && buoys_.any() && met_ % 3 != 0) return evade(view, 300.0, 0.0, 0.0);
   heading_deg_.reset();
   circles_ = false;
   // The base stands at a wall: near it, this leads away from both, and far enough for another try.
@@ -209,8 +203,8 @@ WheelSpeeds Docking::meet(const DemoView& view) {
 WheelSpeeds Docking::leg(const DemoView& view) {
   constexpr double kOutMm = 60.0;
   if (way_mm_ - std::max(seen_mm_, back_mm_) > kOutMm) return go_back(view);
-  if (buoys_ == kRedLight) return arc(kFarMmPerSec, kLegMm);
-  if (buoys_ == kGreenLight) return arc(kFarMmPerSec, -kLegMm);
+  if (buoys_ == kRedBuoy) return arc(kFarMmPerSec, kLegMm);
+  if (buoys_ == kGreenBuoy) return arc(kFarMmPerSec, -kLegMm);
   return steer(kFarMmPerSec, leg_deg_ - view.turned_deg);
 }
 
@@ -237,14 +231,14 @@ double Docking::beside_line_mm() const {
 // off first.
 WheelSpeeds Docking::approach(const DemoView& view) {
   const bool off =
-      buoys_ != kBoth && way_mm_ - buoys_since_mm_ > (buoys_ == 0 ? kShadowMm : kOffMm);
+      buoys_ != kBothBuoys && way_mm_ - buoys_since_mm_ > (!buoys_.any() ? kShadowMm : kOffMm);
   if (off) {
     forget();
     return circle(view);
   }
   const double beside_mm = beside_line_mm();
   const bool near = in_field(*view.seen);
-  if (near && buoys_ != kBoth && std::abs(beside_mm) > kBesideMm) {
+  if (near && buoys_ != kBothBuoys && std::abs(beside_mm) > kBesideMm) {
     const double left_deg = *heading_deg_ - view.turned_deg;
     if (std::abs(left_deg) > kPivotDeg) return evade(view, 0.0, left_deg, 0.0);
     return evade(view, kRetreatMm, 0.0, 0.0);
@@ -260,9 +254,10 @@ WheelSpeeds Docking::approach(const DemoView& view) {
 // comes back to the same edge on a circle.
 WheelSpeeds Docking::circle(const DemoView& view) {
   const double speed_mm_s = in_field(*view.seen) ? kNearMmPerSec : kFarMmPerSec;
-  if (buoys_ == kBoth) return arc(speed_mm_s, last_colour_ == kRedLight ? -kMiddleMm : kMiddleMm);
+  if (buoys_ == kBothBuoys)
+    return arc(speed_mm_s, last_colour_ == kRedBuoy ? -kMiddleMm : kMiddleMm);
   const bool circles = circles_ && std::abs(view.turned_deg - buoys_since_deg_) < kCircledDeg;
-  if (circles) return arc(speed_mm_s, last_colour_ == kRedLight ? kCircleMm : -kCircleMm);
+  if (circles) return arc(speed_mm_s, last_colour_ == kRedBuoy ? kCircleMm : -kCircleMm);
   circles_ = false;
   if (way_mm_ >= leg_end_mm_) leg_end_mm_ = way_mm_ + kLongLegMm;
   leg_deg_ = view.turned_deg;

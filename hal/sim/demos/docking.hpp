@@ -52,7 +52,7 @@ class Docking {
 
   void reckon(const DemoView& view);
   void look(const DemoView& view);
-  void cross(std::uint8_t from, std::uint8_t to);
+  void cross(oi::HomeBaseBeams from, oi::HomeBaseBeams to);
   void forget();
   double beside_line_mm() const;
   bool take_way_in(const DemoView& view, const BaseBelief::Place& base);
@@ -82,9 +82,9 @@ class Docking {
   double last_travelled_mm_ = 0.0;
   double last_turned_deg_ = 0.0;
 
-  std::uint8_t buoys_ = 0;        // seen now
-  std::uint8_t last_colour_ = 0;  // seen alone last
-  double buoys_since_mm_ = 0.0;   // how far it had come when that changed
+  oi::HomeBaseBeams buoys_{};        // seen now
+  oi::HomeBaseBeams last_colour_{};  // seen alone last
+  double buoys_since_mm_ = 0.0;      // how far it had come when that changed
   double buoys_since_deg_ = 0.0;
   double back_mm_ = 0.0;  // the same when it will be back in the light
   double seen_mm_ = 0.0;  // the same when it saw anything last

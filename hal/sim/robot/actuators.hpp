@@ -7,11 +7,14 @@
 #include <cstdint>
 #include <optional>
 
+#include "oi/command_table.hpp"
 #include "oi/commands.hpp"
 
 namespace cargobay::hal::sim {
 
 inline constexpr std::uint8_t kFullDuty = 128;
+inline constexpr std::uint8_t kAllOutputs =
+    oi::kCommandInfo<oi::DigitalOutputs::kOpcode>.argument_slots[0].mask;
 
 struct Actuators {
   oi::Leds leds{};

@@ -10,15 +10,18 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr std::uint32_t kFastBaud = 115200;
 // Room for the bytes that come while the robot waits: a script and some more.
 constexpr std::size_t kInputRoom = 512;
 constexpr std::uint64_t kJunkSeed = 0x6a756e6b;
 
 // "The force field on top of the Home Base also trips this sensor" (OI p. 17), whatever sends it.
 void see_force_field(Inputs& seen) {
-  if (seen.home_base && seen.infrared == kNoInfrared) seen.infrared = kInfraredWhenDocked;
-  if (seen.home_base || has_force_field(seen.infrared)) seen.virtual_wall = true;
+  using oi::InfraredCharacter;
+  if (seen.home_base && seen.infrared == kNoInfrared) {
+    seen.infrared =
+        static_cast<std::uint8_t>(InfraredCharacter::home_base_red_and_green_buoy_and_force_field);
+  }
+  if (seen.home_base || seen.beams().has(oi::HomeBaseBeam::force_field)) seen.virtual_wall = true;
 }
 
 }  // namespace
@@ -202,7 +205,8 @@ void Device::print(std::string_view text) {
 void Device::receive(std::uint8_t byte) {
   ++counters_.bytes_received;
   // At 115200 a byte that begins less than 200 us after the last one heard is lost (OI p. 7).
-  const bool too_close = serial_.baud == kFastBaud && serial_.last_heard != rt::Duration::min() &&
+  const bool too_close = oi::needs_spacing(serial_.baud) &&
+                         serial_.last_heard != rt::Duration::min() &&
                          now_ - serial_.last_heard < oi::kByteSpacingAt115200;
   if (supply_.state != Power::on || too_close || now_ < serial_.deaf_until) {
     ++counters_.bytes_unheard;

@@ -116,7 +116,7 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
                          .power_intensity = low_byte(arguments[2])};
       return;
     case oi::DigitalOutputs::kOpcode:
-      actuators_.digital_outputs = low_byte(arguments[0] & 0b111);
+      actuators_.digital_outputs = low_byte(arguments[0] & kAllOutputs);
       return;
     case oi::SendIr::kOpcode: return actuators_.send_infrared(low_byte(arguments[0]));
     case oi::Song::kOpcode: return songs_.store(low_byte(arguments[0]), tail);
@@ -127,7 +127,8 @@ void Device::obey(std::uint8_t opcode, std::span<const std::int32_t> arguments,
     case oi::QueryList::kOpcode: reply_.begin_packets(tail); return reply();
     case oi::Stream::kOpcode: return stream_.start(tail, *parameters_.dialect);
     case oi::PauseResumeStream::kOpcode:
-      return arguments[0] == 0 ? stream_.pause() : stream_.resume();
+      return arguments[0] == static_cast<std::int32_t>(oi::StreamState::pause) ? stream_.pause()
+                                                                               : stream_.resume();
     case oi::Script::kOpcode: return store_script(tail);
     case oi::PlayScript::kOpcode: return play_script();
     case oi::ShowScript::kOpcode: return show_script();
@@ -264,7 +265,8 @@ void Device::tick_buttons(const Inputs& before) {
     demo_.selected = (demo_.selected + 1) % kDemos;
   if (!seen_.play_button || before.play_button) return;
   const bool ends = demo_.demos.running();
-  demo_.demos.start(ends ? -1 : demo_.selected, demo_view());
+  demo_.demos.start(ends ? static_cast<std::int32_t>(oi::DemoNumber::abort) : demo_.selected,
+                    demo_view());
   if (ends) stop_motors();
 }
 

@@ -23,7 +23,6 @@ constexpr rt::Duration kPlayHeld = std::chrono::seconds{4};
 constexpr std::array kTuneOf19200{
     oi::Note{79, oi::SixtyFourths{8}}, oi::Note{76, oi::SixtyFourths{8}},
     oi::Note{72, oi::SixtyFourths{8}}, oi::Note{67, oi::SixtyFourths{16}}};
-constexpr std::uint8_t kAllOutputsHigh = 0b111;
 
 constexpr double kSleepingMa = 5.0;
 constexpr double kIdleMa = 250.0;
@@ -42,7 +41,7 @@ void Device::switch_on(rt::Duration boot_time) {
   supply_.boot_text_due = true;
   supply_.play_held = inputs_.play_button;
   actuators_ = {};
-  actuators_.digital_outputs = kAllOutputsHigh;
+  actuators_.digital_outputs = kAllOutputs;
   supply_.brc.power_on(now_);
   switch_baud(supply_.brc_baud.value_or(parameters_.boot_baud));
   ++counters_.boots;

@@ -10,8 +10,9 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr std::int32_t bit(bool set, unsigned number) {
-  return static_cast<std::int32_t>(static_cast<unsigned>(set) << number);
+template <typename Flag>
+constexpr std::int32_t bit(bool set, Flag flag) {
+  return set ? oi::BitSet<Flag>{}.with(flag).raw() : 0;
 }
 
 std::int32_t raw_count(std::int64_t edges) { return static_cast<std::uint16_t>(edges); }
@@ -48,8 +49,11 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
   if (packet == oi::kRawRightCount) return raw_count(chassis_.wheels.right().edges());
   switch (packet) {
     case oi::PacketId::bumps_and_wheel_drops:
-      return bit(seen_.bump_right, 0) | bit(seen_.bump_left, 1) | bit(seen_.wheel_drop_right, 2) |
-             bit(seen_.wheel_drop_left, 3) | bit(seen_.wheel_drop_caster, 4);
+      return bit(seen_.bump_right, oi::Bump::bump_right) |
+             bit(seen_.bump_left, oi::Bump::bump_left) |
+             bit(seen_.wheel_drop_right, oi::Bump::wheel_drop_right) |
+             bit(seen_.wheel_drop_left, oi::Bump::wheel_drop_left) |
+             bit(seen_.wheel_drop_caster, oi::Bump::wheel_drop_front);
     case oi::PacketId::wall: return seen_.wall;
     case oi::PacketId::cliff_left: return seen_.cliff_left.cliff;
     case oi::PacketId::cliff_front_left: return seen_.cliff_front_left.cliff;
@@ -57,13 +61,15 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
     case oi::PacketId::cliff_right: return seen_.cliff_right.cliff;
     case oi::PacketId::virtual_wall: return seen_.virtual_wall;
     case oi::PacketId::overcurrents:
-      // LD1 is bit 0 and LD0 bit 1: this is the manual's order.
-      return bit(seen_.overcurrent_low_side_driver[1], 0) |
-             bit(seen_.overcurrent_low_side_driver[0], 1) |
-             bit(seen_.overcurrent_low_side_driver[2], 2) | bit(seen_.overcurrent_right_wheel, 3) |
-             bit(seen_.overcurrent_left_wheel, 4);
+      return bit(seen_.overcurrent_low_side_driver[0], oi::Overcurrent::low_side_driver_0) |
+             bit(seen_.overcurrent_low_side_driver[1], oi::Overcurrent::low_side_driver_1) |
+             bit(seen_.overcurrent_low_side_driver[2], oi::Overcurrent::low_side_driver_2) |
+             bit(seen_.overcurrent_right_wheel, oi::Overcurrent::right_wheel) |
+             bit(seen_.overcurrent_left_wheel, oi::Overcurrent::left_wheel);
     case oi::PacketId::infrared_byte: return seen_.infrared;
-    case oi::PacketId::buttons: return bit(seen_.play_button, 0) | bit(seen_.advance_button, 2);
+    case oi::PacketId::buttons:
+      return bit(seen_.play_button, oi::Button::play) |
+             bit(seen_.advance_button, oi::Button::advance);
     case oi::PacketId::distance: return junk_or(chassis_.odometer.take_distance().value);
     case oi::PacketId::angle: return junk_or(chassis_.odometer.take_angle().value);
     case oi::PacketId::charging_state: return static_cast<std::int32_t>(battery_.state());
@@ -78,10 +84,15 @@ std::int32_t Device::read_sensor(std::uint8_t id) {
     case oi::PacketId::cliff_front_right_signal: return seen_.cliff_front_right.signal;
     case oi::PacketId::cliff_right_signal: return seen_.cliff_right.signal;
     case oi::PacketId::digital_inputs:
-      return bit(seen_.digital[0], 0) | bit(seen_.digital[1], 1) | bit(seen_.digital[2], 2) |
-             bit(seen_.digital[3], 3) | bit(supply_.brc.high(), 4);
+      return bit(seen_.digital[0], oi::DigitalInput::input_0) |
+             bit(seen_.digital[1], oi::DigitalInput::input_1) |
+             bit(seen_.digital[2], oi::DigitalInput::input_2) |
+             bit(seen_.digital[3], oi::DigitalInput::input_3) |
+             bit(supply_.brc.high(), oi::DigitalInput::device_detect);
     case oi::PacketId::analog_signal: return seen_.analog;
-    case oi::PacketId::charging_sources: return bit(seen_.charger, 0) | bit(seen_.home_base, 1);
+    case oi::PacketId::charging_sources:
+      return bit(seen_.charger, oi::ChargingSource::internal_charger) |
+             bit(seen_.home_base, oi::ChargingSource::home_base);
     case oi::PacketId::oi_mode: return static_cast<std::int32_t>(mode_);
     case oi::PacketId::song_number: return songs_.selected();
     case oi::PacketId::song_playing: return songs_.playing();

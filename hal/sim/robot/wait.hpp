@@ -56,7 +56,7 @@ class Wait {
 
  private:
   enum class Kind : std::uint8_t { none, time, distance, angle, event };
-  static constexpr std::int32_t kEvents = 22;
+  static constexpr std::int32_t kEvents = static_cast<std::int32_t>(oi::Event::mode_passive);
 
   void begin(Kind kind) { kind_ = kind; }
   bool over(const View& view) const;

@@ -37,10 +37,6 @@ constexpr double kBuoyRangeMm = 1500.0;
 constexpr double kForceFieldMm = 500.0;
 constexpr double kDockedMm = 40.0;
 constexpr double kDockedDeg = 20.0;
-constexpr std::uint8_t kHomeBase = 240;
-constexpr std::uint8_t kRedBuoy = 8;
-constexpr std::uint8_t kGreenBuoy = 4;
-constexpr std::uint8_t kForceField = 2;
 
 constexpr int kContactRounds = 4;  // a corner takes two
 
@@ -194,21 +190,22 @@ void sense_virtual_walls(const World& world, const WorldPose& pose, double openi
   }
 }
 
-// Which of the buoys and the force field light that place: bits of the infrared byte.
-std::uint8_t light_of_home_base(const World& world, Point at) {
+// Which of the buoys and the force field light that place.
+oi::HomeBaseBeams light_of_home_base(const World& world, Point at) {
   const Beam& base = *world.home_base;
   const Point away = at - base.origin;
   const double distance = length(away) - kRobotRadiusMm;
   if (distance >= std::max(kBuoyRangeMm, kForceFieldMm) || !in_sight(world, base.origin, at)) {
-    return 0;
+    return {};
   }
   const double off_deg = wrapped_deg(angle_deg(away) - base.heading_deg);
-  std::uint8_t light = 0;
-  if (distance < kForceFieldMm) light |= kForceField;
+  using enum oi::HomeBaseBeam;
+  oi::HomeBaseBeams light;
+  if (distance < kForceFieldMm) light = light.with(force_field);
   // Seen from the base, red is to its left and green to its right; both overlap in the middle.
   const bool lit = distance < kBuoyRangeMm;
-  if (lit && off_deg > -kBuoyOverlapDeg && off_deg < kBuoyWideDeg) light |= kRedBuoy;
-  if (lit && off_deg < kBuoyOverlapDeg && off_deg > -kBuoyWideDeg) light |= kGreenBuoy;
+  if (lit && off_deg > -kBuoyOverlapDeg && off_deg < kBuoyWideDeg) light = light.with(red_buoy);
+  if (lit && off_deg < kBuoyOverlapDeg && off_deg > -kBuoyWideDeg) light = light.with(green_buoy);
   return light;
 }
 
@@ -217,11 +214,10 @@ void sense_home_base(const World& world, const WorldPose& pose, double opening_d
   if (!world.home_base) return;
   const Point at{pose.x_mm, pose.y_mm};
   const bool open = comes_in(pose, world.home_base->origin, opening_deg);
-  const std::uint8_t seen = open ? light_of_home_base(world, at) : std::uint8_t{0};
-  if (seen != 0 && inputs.infrared == kNoInfrared) {
-    inputs.infrared = static_cast<std::uint8_t>(kHomeBase + seen);
-  }
-  if ((seen & kForceField) != 0) inputs.virtual_wall = true;
+  const oi::HomeBaseBeams seen = open ? light_of_home_base(world, at) : oi::HomeBaseBeams{};
+  if (seen.any() && inputs.infrared == kNoInfrared)
+    inputs.infrared = static_cast<std::uint8_t>(oi::infrared_character(seen));
+  if (seen.has(oi::HomeBaseBeam::force_field)) inputs.virtual_wall = true;
   const Point away = at - world.home_base->origin;
   const double distance = length(away) - kRobotRadiusMm;
   const double off_deg = wrapped_deg(angle_deg(away) - world.home_base->heading_deg);

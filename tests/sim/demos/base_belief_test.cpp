@@ -21,11 +21,10 @@ struct Believing {
   BaseBelief belief{};
 
   Believing() { world.home_base = Beam{}; }
-  std::uint8_t light(double x_mm, double y_mm) const {
+  oi::HomeBaseBeams light(double x_mm, double y_mm) const {
     Inputs seen;
     world.sense({x_mm, y_mm, 0.0}, seen);
-    return seen.infrared == kNoInfrared ? std::uint8_t{0}
-                                        : static_cast<std::uint8_t>(seen.infrared & 0b1110);
+    return seen.beams();
   }
   void drive(double x_mm, double y_mm, double to_x_mm, double to_y_mm) {
     const double far_mm = std::hypot(to_x_mm - x_mm, to_y_mm - y_mm);
