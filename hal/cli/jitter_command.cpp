@@ -28,6 +28,7 @@
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/jitter/run.hpp"
 #include "hal/sim/remote/virtual_create.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -199,15 +200,16 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   std::string port = config->port;
   robot.link = fmt::format("{} at {} baud", port, *config->baud);
   if (port.empty()) {
-    auto create = hal::sim::VirtualCreate::start({}, oi::kDefaultBaud, options.priority + 5);
+    auto create =
+        hal::sim::VirtualCreate::start({}, oi::kCreate.default_baud, options.priority + 5);
     if (!create) return create.failure();
     robot.create = std::move(*create);
     port = robot.create->server().path();
     request.server = &robot.create->server();
-    robot.link =
-        fmt::format("virtual Create on {} at {} baud, frames every 15 ms", port, oi::kDefaultBaud);
+    robot.link = fmt::format("virtual Create on {} at {} baud, frames every 15 ms", port,
+                             oi::kCreate.default_baud);
   }
-  auto stream = open_for_use(port, robot.create ? oi::kDefaultBaud : *config->baud);
+  auto stream = open_for_use(port, robot.create ? oi::kCreate.default_baud : *config->baud);
   if (!stream) return stream.failure();
   request.robot = std::move(*stream);
   return robot;

@@ -18,7 +18,7 @@
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/terminal/standard_streams.hpp"
 #include "hal/guard/duty.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::cli {
 namespace {

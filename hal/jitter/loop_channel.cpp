@@ -9,7 +9,7 @@
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_stream.hpp"
 #include "hal/sim/line/pty_port.hpp"
-#include "oi/baud.hpp"
+#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "rt/histogram.hpp"
 #include "rt/unchecked.hpp"
@@ -18,7 +18,7 @@ namespace cargobay::hal::jitter {
 namespace {
 
 // The rate of a robot; the wire takes the same share of a shorter tick.
-constexpr std::int64_t kRobotBaud = oi::kDefaultBaud;
+constexpr std::int64_t kRobotBaud = oi::kCreate.default_baud;
 
 // Drives no wheels: the speed changes, so that every branch runs.
 rt::WheelSpeeds decide(void* context, const CycleState& state, double /*seconds*/)
