@@ -18,7 +18,6 @@
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/terminal/standard_streams.hpp"
 #include "hal/guard/duty.hpp"
-#include "oi/dialect.hpp"
 
 namespace cargobay::cli {
 namespace {

@@ -103,7 +103,7 @@ void dock(const Options& options, std::uint64_t seed, Docked& docked) {
   double first_seen_s = kMostS;
   while (!run.over() && run.time_s() < kMostS) {
     run.step();
-    if (hal::sim::sees_home_base(run.device().seen()))
+    if (run.device().seen().beams().any())
       first_seen_s = std::min(first_seen_s, run.time_s());
   }
   run.draw(options, "cover_and_dock", seed);
