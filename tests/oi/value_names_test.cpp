@@ -60,7 +60,7 @@ TYPED_TEST(ValueNames, AreOneForEachEnumerator) {
 
 TEST(NamedValues, AreTheOnlyOnesOfPacketsAndArguments) {
   for (const NamedPacket& each : kNamedPackets) {
-    const PacketInfo& info = packet(each.packet);
+    const PacketInfo& info = kCreate.packet(each.packet);
     for (const ValueName& value : each.names) {
       EXPECT_GE(info.max, each.bits ? 1 << value.value : value.value) << info.key << value.name;
     }

@@ -90,7 +90,7 @@ TEST(DemoWorlds, CoverAndDockDocksFromEveryPlaceThatSeesABeam) {
     for (int y = 220; y <= 1720; y += 250) {
       Inputs seen;
       world.sense(at(x, y, 0), seen);
-      if (!sees_home_base(seen)) continue;
+      if (!seen.beams().any()) continue;
       Living robot{world, at(x, y, 77.0 * ++starts), 1};
       const auto charging = [&] { return robot.device.battery().charging(); };
       EXPECT_LT(robot.until(charging, 180.0), 180.0) << x << ' ' << y;
