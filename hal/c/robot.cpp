@@ -148,22 +148,12 @@ int take_sim(const cargobay_options& options, std::uint32_t baud, RobotObject& o
 
 int take_port(const hal::Config& config, std::uint32_t baud, hal::RobotOptions& options,
               RobotObject& object, std::unique_ptr<hal::ByteStream>& stream) {
-  std::string path = config.port;
-  if (path.empty()) {
-    // Above ordinary work, below the loop: a wire does not wait for the CPU.
-    auto started =
-        hal::sim::VirtualCreate::start({}, baud, std::max(options.realtime.priority - 10, 0));
-    if (!started) return fail(CARGOBAY_E_SYSTEM, started.failure());
-    object.own = std::move(*started);
-    options.pins = object.own->pins();
-    path = object.own->server().path();
-  } else {
-    auto lines = hal::open_pins(config.pins);
-    if (!lines) return fail(CARGOBAY_E_PORT, lines.failure());
-    object.lines = std::move(*lines);
-    options.pins = object.lines.pins();
-  }
-  auto opened = hal::open_port(path, baud);
+  auto plant = hal::find_plant(config, {}, hal::below_loop(options.realtime.priority));
+  if (!plant)
+    return fail(config.port.empty() ? CARGOBAY_E_SYSTEM : CARGOBAY_E_PORT, plant.failure());
+  object.plant = std::move(*plant);
+  options.pins = object.plant.pins();
+  auto opened = hal::open_port(object.plant.port, baud);
   if (!opened) return fail(CARGOBAY_E_PORT, opened.failure());
   stream = std::move(opened->stream);
   return CARGOBAY_OK;

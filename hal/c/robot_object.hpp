@@ -7,7 +7,6 @@
 #include <mutex>
 #include <optional>
 
-#include "hal/bring_up/open_pins.hpp"
 #include "hal/c/cargobay.h"
 #include "hal/c/errors.hpp"
 #include "hal/c/handles.hpp"
@@ -15,7 +14,7 @@
 #include "hal/file/output_file.hpp"
 #include "hal/recording/recording_writer.hpp"
 #include "hal/robot/robot.hpp"
-#include "hal/sim/remote/virtual_create.hpp"
+#include "hal/sim/remote/plant.hpp"
 
 struct cargobay_robot;  // the handle
 
@@ -39,9 +38,8 @@ struct RobotObject {
   // Puts a request into the cycle's ring: CARGOBAY_OK or CARGOBAY_E_FULL. From any thread; locks.
   int request(const hal::Request& wanted);
 
-  SimUse sim{};  // the program's virtual Create that is the robot, if any
-  std::unique_ptr<hal::sim::VirtualCreate> own{};  // if no port was named
-  hal::OpenPins lines{};
+  SimUse sim{};               // the program's virtual Create that is the robot, if any
+  hal::Plant plant{};         // otherwise
   hal::Robot::Owned robot{};  // destroyed before what it drives
   std::unique_ptr<hal::RecordingWriter> recording{};
   std::optional<hal::OutputFile> record_file{};  // until the loop starts

@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "hal/bring_up/bring_up.hpp"
-#include "hal/bring_up/open_pins.hpp"
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/bring_up_report.hpp"
 #include "hal/cli/connect/connection.hpp"
@@ -18,7 +17,6 @@
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/guard/duty.hpp"
-#include "hal/sim/remote/virtual_create.hpp"
 #include "hal/stream/write_all.hpp"
 #include "oi/encode.hpp"
 #include "oi/value_names.hpp"
@@ -77,24 +75,14 @@ int bring_up(const BringupOptions& options) {
   Outputs outputs;
   protect_config(options.port, outputs);
   if (const auto failure = outputs.open("--json", options.json_file)) return fail(*failure);
-  const auto config = configuration(options.port, options.pins);
+  auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
-  BringUpRecord record{.port = config->port, .robot = "robot", .baud = *config->baud};
-  const bool builtin = options.builtin || config->port.empty();
-  std::unique_ptr<hal::sim::VirtualCreate> create;  // outlives the pins
-  hal::OpenPins lines;
-  if (builtin) {
-    if (options.pins.any_line()) return fail({"the pins of a robot need its --port"});
-    auto started = hal::sim::VirtualCreate::start({}, record.baud, 0);
-    if (!started) return fail(started.failure());
-    create = std::move(*started);
-    record.port = create->server().path();
-    record.robot = "virtual Create";
-  } else {
-    auto opened = hal::open_pins(config->pins);
-    if (!opened) return fail(opened.failure());
-    lines = std::move(*opened);
-  }
+  if (options.builtin) config->port.clear();
+  const auto plant = find_plant(*config, options.pins, {}, 0);
+  if (!plant) return fail(plant.failure());
+  BringUpRecord record{.port = plant->port,
+                       .robot = plant->create ? "virtual Create" : "robot",
+                       .baud = *config->baud};
   auto stream = open_for_use(record.port, record.baud);
   if (!stream) return fail(stream.failure());
 
@@ -105,7 +93,7 @@ int bring_up(const BringupOptions& options) {
   hal::Parting left = hal::Parting::unconfirmed;
   const auto result = hal::bring_up(**stream, {.mode = mode,
                                                .packets = kPackets,
-                                               .pins = create ? create->pins() : lines.pins(),
+                                               .pins = plant->pins(),
                                                .progress =
                                                    [&](const hal::BringUpEvent& event) {
                                                      record.steps.push_back(event);

@@ -14,7 +14,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
-#include "hal/cli/connect/plant.hpp"
+#include "hal/cli/connect/sim_options.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
@@ -176,7 +176,8 @@ std::optional<int> warn(const CalibrateOptions& options, StopSignals& signals) {
 // Brings the robot up, drives and measures. Nothing if a signal ended it; `signal` is then set.
 hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOptions& options,
                                                            const hal::Config& config,
-                                                           const Plant& plant, StopSignals& signals,
+                                                           const hal::Plant& plant,
+                                                           StopSignals& signals,
                                                            std::optional<int>& signal) {
   auto stream = open_for_use(plant.port, *config.baud);
   if (!stream) return stream.failure();
@@ -212,8 +213,8 @@ int calibrate(const CalibrateOptions& options) {
   if (const auto failure = check(options, outputs)) return fail(*failure);
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
-  const auto plant =
-      find_plant(*config, options.pins, options.sim, config->priority.value_or(kPriority));
+  const auto plant = find_plant(*config, options.pins, parameters(options.sim),
+                                hal::below_loop(config->priority.value_or(kPriority)));
   if (!plant) return fail(plant.failure());
   std::optional<int> signal;
   if (plant->server() == nullptr) signal = warn(options, signals);

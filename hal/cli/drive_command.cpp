@@ -13,7 +13,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/findings.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
-#include "hal/cli/connect/plant.hpp"
+#include "hal/cli/connect/sim_options.hpp"
 #include "hal/cli/drive/drive_events.hpp"
 #include "hal/cli/drive/drive_links.hpp"
 #include "hal/cli/drive/drive_log.hpp"
@@ -288,7 +288,7 @@ DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& sample
 // How to find a lost port again. Without an identity the port is not sought: it was not asked for,
 // or the robot is a virtual Create of our own, which stays.
 hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options,
-                                                     const Plant& plant, std::uint32_t baud,
+                                                     const hal::Plant& plant, std::uint32_t baud,
                                                      const hal::RobotOptions& robot) {
   hal::ReconnectRequest request{.baud = baud, .robot = robot};
   if (options.reconnect.empty() || plant.create) return request;
@@ -326,8 +326,8 @@ int drive(const DriveOptions& options) {
   if (!config) return fail(config.failure());
   if (options.builtin) config->port.clear();
   hal::RobotOptions wanted = robot_options(options, *config);
-  const auto plant = find_plant(*config, options.pins, options.sim,
-                                wanted.realtime.priority);  // outlives the robot
+  const auto plant = find_plant(*config, options.pins, parameters(options.sim),
+                                hal::below_loop(wanted.realtime.priority));  // outlives the robot
   if (!plant) return fail(plant.failure());
   wanted.pins = plant->pins();
   hal::sim::Server* const server = plant->server();

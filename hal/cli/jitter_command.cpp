@@ -27,7 +27,6 @@
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/jitter/run.hpp"
-#include "hal/sim/remote/virtual_create.hpp"
 #include "oi/dialect.hpp"
 
 namespace cargobay::cli {
@@ -188,28 +187,26 @@ std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
 }
 
 struct Robot {
-  std::unique_ptr<hal::sim::VirtualCreate> create{};
+  hal::Plant plant{};
   std::string link{};
 };
 
 hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& request) {
   Robot robot;
   if (!wants(options, "robot")) return robot;
-  const auto config = configuration(options.connection);
+  auto config = configuration(options.connection);
   if (!config) return config.failure();
-  std::string port = config->port;
-  robot.link = fmt::format("{} at {} baud", port, *config->baud);
-  if (port.empty()) {
-    auto create =
-        hal::sim::VirtualCreate::start({}, oi::kCreate.default_baud, options.priority + 5);
-    if (!create) return create.failure();
-    robot.create = std::move(*create);
-    port = robot.create->server().path();
-    request.server = &robot.create->server();
-    robot.link = fmt::format("virtual Create on {} at {} baud, frames every 15 ms", port,
-                             oi::kCreate.default_baud);
-  }
-  auto stream = open_for_use(port, robot.create ? oi::kCreate.default_baud : *config->baud);
+  if (config->port.empty()) config->baud = oi::kCreate.default_baud;
+  // Above the loop's: what the virtual Create does late would be taken for the loop's lateness.
+  auto plant = hal::find_plant(*config, {}, options.priority + 5);
+  if (!plant) return plant.failure();
+  robot.plant = std::move(*plant);
+  request.server = robot.plant.server();
+  request.pins = robot.plant.pins();
+  robot.link =
+      fmt::format("{}{} at {} baud{}", request.server ? "virtual Create on " : "", robot.plant.port,
+                  *config->baud, request.server ? ", frames every 15 ms" : "");
+  auto stream = open_for_use(robot.plant.port, *config->baud);
   if (!stream) return stream.failure();
   request.robot = std::move(*stream);
   return robot;

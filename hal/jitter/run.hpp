@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/bring_up/bring_up.hpp"
 #include "hal/jitter/channel.hpp"
 #include "hal/jitter/frame_source.hpp"
 #include "hal/sim/line/server.hpp"
@@ -27,6 +28,7 @@ struct RunRequest {
   // For the channel "robot": already at the right rate.
   std::unique_ptr<ByteStream> robot{};
   sim::Server* server = nullptr;  // at the robot's other end; null for a real robot
+  RobotPins pins{};
 };
 
 class Run {

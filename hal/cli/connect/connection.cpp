@@ -91,4 +91,11 @@ bool has_port(const hal::Config& config) {
   return false;
 }
 
+hal::Result<hal::Plant> find_plant(const hal::Config& config, const PinOptions& pins,
+                                   const hal::sim::Parameters& robot, int create_priority) {
+  if (config.port.empty() && pins.any_line())
+    return hal::Failure{"the pins of a robot need its --port"};
+  return hal::find_plant(config, robot, create_priority);
+}
+
 }  // namespace cargobay::cli

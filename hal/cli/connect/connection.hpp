@@ -9,6 +9,8 @@
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/config/config.hpp"
 #include "hal/result.hpp"
+#include "hal/sim/parameters.hpp"
+#include "hal/sim/remote/plant.hpp"
 
 namespace CLI {
 class App;
@@ -51,5 +53,9 @@ void protect_config(const PortOptions& port, Outputs& outputs);
 
 // For a command that needs a port: if there is none, prints what is missing and returns false.
 bool has_port(const hal::Config& config);
+
+// As hal::find_plant(); options for pins without a port are a failure.
+hal::Result<hal::Plant> find_plant(const hal::Config& config, const PinOptions& pins,
+                                   const hal::sim::Parameters& robot, int create_priority);
 
 }  // namespace cargobay::cli
