@@ -53,7 +53,7 @@ check_format() {
     failed=1
   done < <(sources | grep -vE '/[a-z0-9_]+\.(hpp|cpp|h|c)$' || true)
   # The worst turns of phrase that this project had. The rest is for a reader.
-  if find oi rt gpio hal tests examples docs .ci README.md CHANGELOG.md -type f \
+  if find oi rt gpio hal tests examples docs .ci .cmake README.md CHANGELOG.md -type f \
     ! -path tests/lint.sh ! -path 'tests/lint/*' ! -path 'tests/abi/*' ! -path 'tests/fuzz/corpus/*' \
     ! -name '*.svg' ! -name '*.pyc' -print | sort | xargs grep -nHwE "$odd_phrases"; then
     echo "say it plainly"

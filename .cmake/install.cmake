@@ -45,7 +45,7 @@ write_basic_package_version_file(${install_dir}/cargobayConfigVersion.cmake
   COMPATIBILITY SameMajorVersion)
 install(FILES ${install_dir}/cargobayConfig.cmake ${install_dir}/cargobayConfigVersion.cmake
   DESTINATION ${package_dir} COMPONENT development)
-configure_file(.ci/cargobay.pc.in ${install_dir}/cargobay.pc @ONLY)
+configure_file(.cmake/cargobay.pc.in ${install_dir}/cargobay.pc @ONLY)
 install(FILES ${install_dir}/cargobay.pc
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 set(examples_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/libcargobay-dev/examples)
