@@ -1,7 +1,8 @@
-// What a set-up step returns: a value, or a failure that the user can act on.
+// What a set-up step returns: a value if it has one, or a failure that the user can act on.
 #pragma once
 
 #include <cassert>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -42,6 +43,24 @@ class [[nodiscard]] Result {
 
  private:
   std::variant<T, Failure> content_;
+};
+
+// A step that is done, or failed.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): implicit on purpose, for `return Failure{...};`
+  Result(Failure failure) : failure_{std::move(failure)} {}
+
+  explicit operator bool() const { return !failure_; }
+  const Failure& failure() const {
+    assert(failure_);
+    return *failure_;
+  }
+
+ private:
+  std::optional<Failure> failure_{};
 };
 
 }  // namespace cargobay::hal

@@ -8,9 +8,9 @@ namespace {
 
 using gpio::Level;
 
-std::optional<Failure> open_pin(const PinSetting& setting, Level released,
-                                std::unique_ptr<gpio::Output>& pin) {
-  if (!setting.wired()) return std::nullopt;
+Result<void> open_pin(const PinSetting& setting, Level released,
+                      std::unique_ptr<gpio::Output>& pin) {
+  if (!setting.wired()) return {};
   gpio::LineError error;
   pin = gpio::open_output(setting.address,
                           {.released = released,
@@ -18,16 +18,16 @@ std::optional<Failure> open_pin(const PinSetting& setting, Level released,
                            .drive = setting.drive,
                            .bias = setting.bias},
                           error);
-  if (pin) return std::nullopt;
+  if (pin) return {};
   return Failure{gpio::explain(error), {error.error, std::generic_category()}};
 }
 
-std::optional<Failure> open_pin(const PinSetting& setting, std::unique_ptr<gpio::Input>& pin) {
-  if (!setting.wired()) return std::nullopt;
+Result<void> open_pin(const PinSetting& setting, std::unique_ptr<gpio::Input>& pin) {
+  if (!setting.wired()) return {};
   gpio::LineError error;
   pin = gpio::open_input(setting.address, {.polarity = setting.polarity, .bias = setting.bias},
                          error);
-  if (pin) return std::nullopt;
+  if (pin) return {};
   return Failure{gpio::explain(error), {error.error, std::generic_category()}};
 }
 
@@ -35,11 +35,12 @@ std::optional<Failure> open_pin(const PinSetting& setting, std::unique_ptr<gpio:
 
 Result<OpenPins> open_pins(const PinSettings& settings) {
   OpenPins pins;
-  if (auto failure = open_pin(settings.brc, Level::high, pins.brc)) return *failure;
-  if (auto failure = open_pin(settings.power_toggle, Level::low, pins.power_toggle))
-    return *failure;
-  if (auto failure = open_pin(settings.power_sense, pins.power_sense)) return *failure;
-  if (auto failure = open_pin(settings.charging, pins.charging)) return *failure;
+  if (const auto done = open_pin(settings.brc, Level::high, pins.brc); !done) return done.failure();
+  if (const auto done = open_pin(settings.power_toggle, Level::low, pins.power_toggle); !done)
+    return done.failure();
+  if (const auto done = open_pin(settings.power_sense, pins.power_sense); !done)
+    return done.failure();
+  if (const auto done = open_pin(settings.charging, pins.charging); !done) return done.failure();
   return pins;
 }
 

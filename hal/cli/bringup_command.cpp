@@ -38,9 +38,9 @@ struct BringupOptions {
 };
 
 // Nothing listens from here on. If Safe or Full was asked for, the robot is left in that mode.
-std::optional<hal::Failure> end_stream(hal::ByteStream& stream, oi::Mode mode, hal::Duty& duty) {
+hal::Result<void> end_stream(hal::ByteStream& stream, oi::Mode mode, hal::Duty& duty) {
   if (mode == oi::Mode::passive) {
-    if (duty.discharge().standing()) return std::nullopt;
+    if (duty.discharge().standing()) return {};
     return hal::Failure{
         "the robot answered, but did not confirm that it is Passive again; look at it, and press "
         "its power button if it moves"};
@@ -48,21 +48,20 @@ std::optional<hal::Failure> end_stream(hal::ByteStream& stream, oi::Mode mode, h
   const auto pause = oi::encode(oi::PauseResumeStream{oi::StreamState::pause});
   const bool told = pause && hal::write_all(stream, *pause) && stream.drain(kLastWords);
   if (told) duty.waive();
-  if (told) return std::nullopt;
+  if (told) return {};
   return hal::Failure{"the port failed at the end of the bring-up" + hal::fate(duty.discharge())};
 }
 
 int conclude(const BringupOptions& options, const BringUpRecord& record,
-             const hal::Result<hal::BringUpReport>& result,
-             const std::optional<hal::Failure>& not_left, std::optional<int> signal,
-             Outputs& outputs) {
+             const hal::Result<hal::BringUpReport>& result, const hal::Result<void>& left,
+             std::optional<int> signal, Outputs& outputs) {
   if (result && options.json_file != "-") fmt::print("{}", summary(record, *result));
-  std::optional<hal::Failure> wrong = outputs.write("--json", json(record, result));
+  hal::Result<void> done = outputs.write("--json", json(record, result));
   if (signal) return kSignalled + *signal;
-  if (not_left) wrong = *not_left;
-  if (!result) wrong = result.failure();
-  if (!wrong) return kSuccess;
-  print_error(wrong->message);
+  if (!left) done = left;
+  if (!result) done = result.failure();
+  if (done) return kSuccess;
+  print_error(done.failure().message);
   return kFailure;
 }
 
@@ -74,7 +73,8 @@ int bring_up(const BringupOptions& options) {
   };
   Outputs outputs;
   protect_config(options.port, outputs);
-  if (const auto failure = outputs.open("--json", options.json_file)) return fail(*failure);
+  if (const auto done = outputs.open("--json", options.json_file); !done)
+    return fail(done.failure());
   auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
   if (options.builtin) config->port.clear();
@@ -113,7 +113,7 @@ int bring_up(const BringupOptions& options) {
   }
   const hal::Failure failure{result.failure().message + hal::fate((*duty)->discharge_after(left)),
                              result.failure().code};
-  return conclude(options, record, failure, std::nullopt, signal, outputs);
+  return conclude(options, record, failure, {}, signal, outputs);
 }
 
 }  // namespace

@@ -119,8 +119,8 @@ hal::Result<std::string> contents(const std::string& file) {
 }
 
 // Writes to the file; leaves it untouched if anything is wrong with it.
-std::optional<hal::Failure> write_config(const std::string& file,
-                                         const hal::CalibrationResult& result, Outputs& outputs) {
+hal::Result<void> write_config(const std::string& file, const hal::CalibrationResult& result,
+                               Outputs& outputs) {
   std::vector<hal::ConfigValue> values{
       {.key = "wheel_base_mm", .value = fmt::format("{:.1f}", result.wheel_base_mm)},
       {.key = "lag_s", .value = fmt::format("{:.3f}", std::max(result.lag_s, 0.001))}};
@@ -130,12 +130,12 @@ std::optional<hal::Failure> write_config(const std::string& file,
   if (!before) return before.failure();
   const std::string text = hal::set_values(*before, "robot", values);
   hal::Config config;
-  if (auto failure = hal::read_config(text, file, config)) return failure;
+  if (auto valid = hal::read_config(text, file, config); !valid) return valid;
   return outputs.write("--write", text);
 }
 
 // Opens the files. An existing configuration must be a valid one.
-std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outputs) {
+hal::Result<void> check(const CalibrateOptions& options, Outputs& outputs) {
   if (!(options.speed_mm_s >= 100.0 && options.speed_mm_s <= 400.0)) {
     return hal::Failure{
         fmt::format("--speed {:g} is not between 100 and 400 mm/s", options.speed_mm_s)};
@@ -143,9 +143,9 @@ std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outp
   if (options.write_file == "-")
     return hal::Failure{"--write needs the name of a file, such as /etc/cargobay.toml"};
   protect_config(options.port, outputs);
-  if (auto failure = outputs.open_to_edit("--write", options.write_file)) return failure;
-  if (auto failure = outputs.open("--json", options.json_file)) return failure;
-  if (options.write_file.empty()) return std::nullopt;
+  if (auto done = outputs.open_to_edit("--write", options.write_file); !done) return done;
+  if (auto done = outputs.open("--json", options.json_file); !done) return done;
+  if (options.write_file.empty()) return {};
   const auto text = contents(options.write_file);
   if (!text) return text.failure();
   hal::Config config;
@@ -153,15 +153,15 @@ std::optional<hal::Failure> check(const CalibrateOptions& options, Outputs& outp
 }
 
 // Writes the result to every place where it is wanted.
-std::optional<hal::Failure> report(const CalibrateOptions& options,
-                                   const hal::CalibrationResult& result, Outputs& outputs) {
+hal::Result<void> report(const CalibrateOptions& options, const hal::CalibrationResult& result,
+                         Outputs& outputs) {
   const bool prints = options.json_file != "-";
   if (prints) fmt::print("{}", table(result));
-  if (auto failure = outputs.write("--json", result_json(result))) return failure;
-  if (options.write_file.empty()) return std::nullopt;
-  if (auto failure = write_config(options.write_file, result, outputs)) return failure;
+  if (auto done = outputs.write("--json", result_json(result)); !done) return done;
+  if (options.write_file.empty()) return {};
+  if (auto done = write_config(options.write_file, result, outputs); !done) return done;
   if (prints) fmt::print("Written to   {}\n", options.write_file);
-  return std::nullopt;
+  return {};
 }
 
 // The robot is about to move: gives its owner a moment. Returns the signal that came meanwhile.
@@ -210,7 +210,7 @@ int calibrate(const CalibrateOptions& options) {
     return kFailure;
   };
   Outputs outputs;
-  if (const auto failure = check(options, outputs)) return fail(*failure);
+  if (const auto done = check(options, outputs); !done) return fail(done.failure());
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
   const auto plant = find_plant(*config, options.pins, parameters(options.sim),
@@ -222,7 +222,7 @@ int calibrate(const CalibrateOptions& options) {
   const auto measured = measure(options, *config, *plant, signals, signal);
   if (!measured) return fail(measured.failure());
   if (signal) return kSignalled + *signal;
-  if (const auto failure = report(options, **measured, outputs)) return fail(*failure);
+  if (const auto done = report(options, **measured, outputs); !done) return fail(done.failure());
   return kSuccess;
 }
 

@@ -41,11 +41,13 @@ int run_doctor(const DoctorOptions& options) {
     return kFailure;
   };
   Outputs outputs;
-  if (const auto failure = outputs.open("--json", options.json_file)) return fail(*failure);
+  if (const auto done = outputs.open("--json", options.json_file); !done)
+    return fail(done.failure());
   const std::vector<hal::Finding> findings =
       cli::examine(options.port, rt::RealtimeRequest{.priority = options.priority});
   if (options.json_file != "-") print(findings);
-  if (const auto failure = outputs.write("--json", report(findings))) return fail(*failure);
+  if (const auto done = outputs.write("--json", report(findings)); !done)
+    return fail(done.failure());
   return hal::all_well(findings) ? kSuccess : kFailure;
 }
 

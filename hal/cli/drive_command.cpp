@@ -97,13 +97,13 @@ std::string plot_title(const DriveReport& report, const DriveOptions& options) {
 }
 
 // Writes every file that can be written. Returns the first failure.
-std::optional<hal::Failure> save(const DriveReport& report, const DriveOptions& options,
-                                 const std::vector<DriveSample>& samples, Outputs& outputs) {
-  std::optional<hal::Failure> unsaved;
-  if (!options.json_file.empty()) unsaved = outputs.write("--json", json(report));
-  if (options.plot_file.empty()) return unsaved;
-  auto undrawn = outputs.write("--plot", velocity_plot(samples, plot_title(report, options)));
-  return unsaved ? unsaved : undrawn;
+hal::Result<void> save(const DriveReport& report, const DriveOptions& options,
+                       const std::vector<DriveSample>& samples, Outputs& outputs) {
+  hal::Result<void> saved;
+  if (!options.json_file.empty()) saved = outputs.write("--json", json(report));
+  if (options.plot_file.empty()) return saved;
+  auto drawn = outputs.write("--plot", velocity_plot(samples, plot_title(report, options)));
+  return saved ? drawn : saved;
 }
 
 // How the last link of a drive ended.
@@ -116,24 +116,24 @@ struct Ending {
 };
 
 // What went wrong, the worst first; empty if nothing did.
-std::string complaint(const Ending& ending, const std::optional<hal::Failure>& unsaved) {
+std::string complaint(const Ending& ending, const hal::Result<void>& saved) {
   if (!ending.why.empty()) return ending.why;
   if (std::string wrong = hal::explain(ending.farewell); !wrong.empty()) return wrong;
-  return unsaved.has_value() ? unsaved->message : "";
+  return saved ? "" : saved.failure().message;
 }
 
 // Writes the files, the table, and the last word. Returns the exit code.
 int conclude(const DriveReport& report, const DriveOptions& options,
              const std::vector<DriveSample>& samples, const Ending& ending, Outputs& outputs) {
-  std::optional<hal::Failure> unsaved = save(report, options, samples, outputs);
-  if (!unsaved) unsaved = ending.unrecorded;
+  hal::Result<void> saved = save(report, options, samples, outputs);
+  if (saved && ending.unrecorded) saved = *ending.unrecorded;
   if (options.json_file != "-") {
     fmt::print("{}", table(report));
     for (const std::string& file : ending.recordings)
       fmt::print("Recording  {0}; look at it with: cargobay plot {0}\n", file);
     fmt::print("{}", last_frames_table(ending.farewell.last));
   }
-  const std::string wrong = complaint(ending, unsaved);
+  const std::string wrong = complaint(ending, saved);
   if (!wrong.empty()) {
     print_error(wrong);
     return kFailure;
@@ -190,7 +190,7 @@ class Drive {
   hal::Result<rt::RealtimeGrant> begin_link(hal::Robot& robot) {
     driver_.cycle = &robot.cycle();
     driver_.before_s = static_cast<double>(links_.ticks()) * rt::seconds(oi::kTick);
-    if (auto failure = begin_recording(robot)) return *failure;
+    if (const auto begun = begin_recording(robot); !begun) return begun.failure();
     auto grant = robot.start({.function = &Driver::control, .context = &driver_});
     if (!grant) return grant;
     if (recording_) recording_->publish();
@@ -229,13 +229,13 @@ class Drive {
   }
 
   // Each cycle gets a recording of its own: FILE for the first link, FILE.2 for the next.
-  std::optional<hal::Failure> begin_recording(const hal::Robot& robot) {
-    if (options_.record_file.empty()) return std::nullopt;
+  hal::Result<void> begin_recording(const hal::Robot& robot) {
+    if (options_.record_file.empty()) return {};
     std::string key = "--record";
     if (++recordings_ > 1) {
       key += fmt::format(" number {}", recordings_);
       const std::string path = fmt::format("{}.{}", options_.record_file, recordings_);
-      if (auto failure = outputs_.open(key, path)) return failure;
+      if (auto done = outputs_.open(key, path); !done) return done;
     }
     hal::RecordingHeader header = robot.recording_header();
     header.software = "cargobay " CARGOBAY_VERSION;
@@ -244,7 +244,7 @@ class Drive {
     auto file = hal::RecordingFile::begin(std::move(*outputs_.take(key)), header);
     if (!file) return file.failure();
     recording_.emplace(std::move(*file));
-    return std::nullopt;
+    return {};
   }
   void end_recording(const hal::Robot& robot, Ending& ending) {
     if (!recording_) return;
@@ -301,13 +301,12 @@ hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options
 }
 
 // As far as the kernel allows; if rights are required, what it refuses is a failure.
-std::optional<hal::Failure> boost_kworkers(hal::KworkerBoost& boost,
-                                           const hal::RobotOptions& robot) {
+hal::Result<void> boost_kworkers(hal::KworkerBoost& boost, const hal::RobotOptions& robot) {
   const int error = boost.start();
-  if (error == 0) return std::nullopt;
+  if (error == 0) return {};
   if (robot.require_realtime) return hal::Failure{hal::explain_kworker_boost(error)};
   print_remark(hal::explain_kworker_boost(error));
-  return std::nullopt;
+  return {};
 }
 
 int drive(const DriveOptions& options) {
@@ -316,9 +315,9 @@ int drive(const DriveOptions& options) {
     print_error(failure.message);
     return kFailure;
   };
-  if (const auto failure = check(options)) return fail(*failure);
+  if (const auto done = check(options); !done) return fail(done.failure());
   Outputs outputs;
-  if (const auto failure = open_outputs(options, outputs)) return fail(*failure);
+  if (const auto done = open_outputs(options, outputs); !done) return fail(done.failure());
   const auto profile = Profile::load(options.profile, options.speed_mm_s);
   if (!profile) return fail(profile.failure());
 
@@ -345,7 +344,7 @@ int drive(const DriveOptions& options) {
   const std::vector<hal::Finding> findings = examine(plant->port, wanted.realtime);
   hal::KworkerBoost boost{hal::kworker_priority(wanted.realtime.priority)};  // to the very end
   if (options.boost_kworkers) {
-    if (const auto failure = boost_kworkers(boost, wanted)) return fail(*failure);
+    if (const auto done = boost_kworkers(boost, wanted); !done) return fail(done.failure());
   }
 
   auto opened = hal::Robot::open(std::move(*stream), wanted);

@@ -70,7 +70,7 @@ class Load {
   void end() const {
     if (child_ > 0) kill(child_, SIGTERM);
   }
-  std::optional<hal::Failure> start() {
+  hal::Result<void> start() {
     std::string name = "stress-ng";
     std::string all = "0";
     std::string cpu = "--cpu";
@@ -89,7 +89,7 @@ class Load {
     const int error =
         posix_spawnp(&child_, name.c_str(), nullptr, &attributes, arguments.data(), environ);
     posix_spawnattr_destroy(&attributes);
-    if (error == 0) return std::nullopt;
+    if (error == 0) return {};
     child_ = -1;
     return hal::Failure{
         "--load needs stress-ng, which is not installed; install it: apt-get install stress-ng"};
@@ -125,26 +125,26 @@ std::size_t rounds(const JitterOptions& options, const jitter::Settings& of) {
 
 std::string hgrm_key(std::string_view channel) { return fmt::format("--hgrm of {}", channel); }
 
-std::optional<hal::Failure> open_outputs(const JitterOptions& options, Outputs& outputs) {
+hal::Result<void> open_outputs(const JitterOptions& options, Outputs& outputs) {
   protect_config(options.connection, outputs);
-  if (auto failure = outputs.open("--json", options.json_file)) return failure;
-  if (auto failure = outputs.open("--cyclictest", options.cyclictest_file)) return failure;
-  if (auto failure = outputs.open("--plot", options.plot_file)) return failure;
-  if (options.hgrm_prefix.empty()) return std::nullopt;
+  if (auto done = outputs.open("--json", options.json_file); !done) return done;
+  if (auto done = outputs.open("--cyclictest", options.cyclictest_file); !done) return done;
+  if (auto done = outputs.open("--plot", options.plot_file); !done) return done;
+  if (options.hgrm_prefix.empty()) return {};
   for (const std::string& channel : options.channels) {
     const std::string file = options.hgrm_prefix + "-" + channel + ".hgrm";
-    if (auto failure = outputs.open(hgrm_key(channel), file)) return failure;
+    if (auto done = outputs.open(hgrm_key(channel), file); !done) return done;
   }
-  return std::nullopt;
+  return {};
 }
 
-// Returns the first failure.
-std::optional<hal::Failure> save(const JitterSummary& summary, const JitterOptions& options,
-                                 Outputs& outputs) {
-  std::optional<hal::Failure> first;
+// Writes every file that can be written. Returns the first failure.
+hal::Result<void> save(const JitterSummary& summary, const JitterOptions& options,
+                       Outputs& outputs) {
+  hal::Result<void> saved;
   const auto write = [&](const std::string& key, const std::string& text) {
-    auto failure = outputs.write(key, text);
-    if (!first) first = std::move(failure);
+    auto done = outputs.write(key, text);
+    if (saved) saved = std::move(done);
   };
   if (!options.json_file.empty()) write("--json", json(summary));
   if (!options.cyclictest_file.empty())
@@ -154,21 +154,20 @@ std::optional<hal::Failure> save(const JitterSummary& summary, const JitterOptio
                                 fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
                                             options.period_ms, options.load ? ", loaded" : "")));
   }
-  if (options.hgrm_prefix.empty()) return first;
+  if (options.hgrm_prefix.empty()) return saved;
   for (const ChannelSummary& channel : summary.channels)
     write(hgrm_key(channel.name), hgrm(channel));
-  return first;
+  return saved;
 }
 
 // Measures on a separate thread, so that this one can watch for signals and print the progress.
-std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
-                                    std::optional<int>& signal) {
+hal::Result<void> measure(jitter::Run& run, StopSignals& signals, std::optional<int>& signal) {
   std::atomic<bool> stop{false};
   std::atomic<bool> done{false};
   std::atomic<double> share{0.0};
-  std::optional<hal::Failure> failure;
+  hal::Result<void> measured;
   std::thread measuring{[&] {
-    failure = run.measure(stop, [&](double so_far) { share.store(so_far); });
+    measured = run.measure(stop, [&](double so_far) { share.store(so_far); });
     done.store(true);
   }};
   const bool live = isatty(STDERR_FILENO) == 1;
@@ -183,7 +182,7 @@ std::optional<hal::Failure> measure(jitter::Run& run, StopSignals& signals,
   }
   if (live) fmt::print(stderr, "\r\033[K");
   measuring.join();
-  return failure;
+  return measured;
 }
 
 struct Robot {
@@ -219,14 +218,14 @@ int run_jitter(const JitterOptions& options) {
     return kFailure;
   };
   Outputs outputs;
-  if (const auto failure = open_outputs(options, outputs)) return fail(*failure);
+  if (const auto done = open_outputs(options, outputs); !done) return fail(done.failure());
   jitter::RunRequest request{.channels = options.channels, .settings = settings(options)};
   request.rounds = rounds(options, request.settings);
   request.held = {.every = options.hold_every,
                   .by = rt::Duration{std::llround(options.hold_ms * 1e6)}};
   Load load;
   if (options.load) {
-    if (const auto failure = load.start()) return fail(*failure);
+    if (const auto done = load.start(); !done) return fail(done.failure());
   }
   const AtFirstSignal unload{[&load] { load.end(); }};
   auto robot = find_robot(options, request);  // outlives the run
@@ -237,7 +236,7 @@ int run_jitter(const JitterOptions& options) {
   const jitter::Usage before = jitter::look_at_usage();
   const rt::TimePoint begin = rt::Clock::now();
   std::optional<int> signal;
-  const auto failure = measure(**run, signals, signal);
+  const auto measured = measure(**run, signals, signal);
   const double seconds = rt::seconds(rt::Clock::now() - begin);
   const jitter::Usage used = jitter::look_at_usage() - before;
 
@@ -248,9 +247,9 @@ int run_jitter(const JitterOptions& options) {
   summary.conditions = jitter::look_at_conditions();
   summary.usage = used;
   if (options.json_file != "-") fmt::print("{}", table(summary, bars_of_locale()));
-  const auto unsaved = save(summary, options, outputs);
-  if (failure) return fail(*failure);
-  if (unsaved) return fail(*unsaved);
+  const auto saved = save(summary, options, outputs);
+  if (!measured) return fail(measured.failure());
+  if (!saved) return fail(saved.failure());
   return signal ? kSignalled + *signal : kSuccess;
 }
 
@@ -267,7 +266,7 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
   };
   Outputs outputs;
   for (const std::string& file : files) outputs.protect("a file to be compared", file);
-  if (const auto failure = outputs.open("--plot", plot_file)) return fail(*failure);
+  if (const auto done = outputs.open("--plot", plot_file); !done) return fail(done.failure());
   std::vector<JitterSummary> all;
   for (const std::string& file : files) {
     auto summary = load_summary(file);
@@ -276,8 +275,8 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
   }
   fmt::print("{}", comparison(all));
   if (plot_file.empty()) return kSuccess;
-  const auto failure = outputs.write("--plot", jitter_plot(all, "Timing jitter, compared"));
-  return failure ? fail(*failure) : kSuccess;
+  const auto done = outputs.write("--plot", jitter_plot(all, "Timing jitter, compared"));
+  return done ? kSuccess : fail(done.failure());
 }
 
 void add_compare(CLI::App& jitter, Action& chosen) {

@@ -62,14 +62,15 @@ int plot(PlotOptions options) {
   if (options.output.empty()) options.output = options.file == "-" ? "-" : options.file + ".svg";
   Outputs outputs;
   outputs.protect("the recording", options.file);
-  if (const auto failure = outputs.open("--output", options.output)) return fail(*failure);
+  if (const auto done = outputs.open("--output", options.output); !done)
+    return fail(done.failure());
   const auto loaded = load_recording(options.file);
   if (!loaded) return fail(loaded.failure());
   const std::vector<hal::CycleState> states = states_of(loaded->recording);
   if (states.empty()) return fail({options.file + " holds no frame: there is nothing to draw"});
   const std::string drawing =
       velocity_plot(join(states, {}), title(loaded->recording.header()), Intervals::drawn);
-  if (const auto failure = outputs.write("--output", drawing)) return fail(*failure);
+  if (const auto done = outputs.write("--output", drawing); !done) return fail(done.failure());
   if (options.output != "-") fmt::print("Drew {} frames in {}\n", states.size(), options.output);
   return kSuccess;
 }

@@ -62,9 +62,9 @@ nlohmann::json json(const hal::EstimateDifference& difference) {
 int conclude(const ReplayOptions& options, const nlohmann::json& results, const std::string& text,
              Outputs& outputs) {
   if (options.json_file != "-") fmt::print("{}\n", text);
-  const auto failure = outputs.write("--json", results.dump(2) + "\n");
-  if (!failure) return kSuccess;
-  print_error(failure->message);
+  const auto done = outputs.write("--json", results.dump(2) + "\n");
+  if (done) return kSuccess;
+  print_error(done.failure().message);
   return kFailure;
 }
 
@@ -109,8 +109,8 @@ int compare_estimate(const ReplayOptions& options, const hal::Recording& recordi
 int replay(const ReplayOptions& options) {
   Outputs outputs;
   outputs.protect("the recording", options.file);
-  if (const auto failure = outputs.open("--json", options.json_file)) {
-    print_error(failure->message);
+  if (const auto done = outputs.open("--json", options.json_file); !done) {
+    print_error(done.failure().message);
     return kFailure;
   }
   const auto loaded = load_recording(options.file);

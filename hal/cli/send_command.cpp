@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include <CLI/CLI.hpp>
@@ -24,6 +25,7 @@
 #include "hal/cli/terminal/standard_streams.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/guard/farewell.hpp"
+#include "hal/result.hpp"
 #include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/text/command_text.hpp"
@@ -71,18 +73,18 @@ class Sending {
       : port_{port}, duty_{duty}, options_{options}, talk_{port, signals} {}
 
   // Returns the failure that ended it, after the clean-up that a failure needs.
-  std::optional<hal::Failure> run(const std::vector<PlannedCommand>& commands) {
-    std::optional<hal::Failure> failure = send_all(commands);
-    if (!failure) watch();
-    if (const auto not_stopped = stop(); not_stopped && !failure) failure = not_stopped;
+  hal::Result<void> run(const std::vector<PlannedCommand>& commands) {
+    hal::Result<void> sent = send_all(commands);
+    if (sent) watch();
+    if (const auto stopped = stop(); !stopped && sent) sent = stopped;
     pause_stream();
     talk_.end_text();
-    if (!failure && talk_.hung_up()) failure = hung_up();
-    if (port_.baud() != opened_at_ && !failure) {
+    if (sent && talk_.hung_up()) sent = hung_up();
+    if (port_.baud() != opened_at_ && sent) {
       print_remark(
           fmt::format("the robot now runs at {0} baud; next time: --baud {0}", port_.baud()));
     }
-    return failure;
+    return sent;
   }
   std::optional<int> signal() const { return talk_.signal(); }
 
@@ -98,26 +100,27 @@ class Sending {
     return oi::Mode{reply[0]};
   }
 
-  std::optional<hal::Failure> send_all(const std::vector<PlannedCommand>& commands) {
+  hal::Result<void> send_all(const std::vector<PlannedCommand>& commands) {
     if (!talk_.listen(kFirstLook)) return hung_up();
     talk_.set_streaming(talk_.frames() > 0);
     // In Off the robot hears only Start, so that is the one command to send without asking first.
     const bool starts = std::holds_alternative<oi::Start>(commands.front().command);
     if (!starts) {
       const std::optional<oi::Mode> mode = ask_mode();
-      if (talk_.signal()) return std::nullopt;
+      if (talk_.signal()) return {};
       if (!mode) return no_answer(port_.baud(), false);
       robot_ = Expectation{*mode, port_.baud()};
     }
-    if (auto refused = objection(commands, robot_.mode(), port_.baud())) return refused;
+    if (auto refused = objection(commands, robot_.mode(), port_.baud()))
+      return hal::Failure{std::move(*refused)};
     for (const PlannedCommand& command : commands) {
       if (talk_.signal()) break;
-      if (auto failure = send(command)) return failure;
+      if (auto sent = send(command); !sent) return sent;
     }
-    return std::nullopt;
+    return {};
   }
 
-  std::optional<hal::Failure> send(const PlannedCommand& command) {
+  hal::Result<void> send(const PlannedCommand& command) {
     robot_.take(command);  // before it is sent: the robot may have heard it even if sending fails
     if (robot_.motion() == Motion::demo) duty_.expect_demo();
     return std::visit([&](const auto& one) { return send(command, one); }, command.command);
@@ -125,41 +128,42 @@ class Sending {
 
   // Commands without a reply.
   template <typename Command>
-  std::optional<hal::Failure> send(const PlannedCommand& command, const Command&) {
+  hal::Result<void> send(const PlannedCommand& command, const Command&) {
     if (!talk_.send(command.bytes)) return not_sent();
     if (command.info->change == oi::ModeChange::none) {
-      return talk_.listen(rt::Duration::zero()) ? std::nullopt : std::optional{hung_up()};
+      if (!talk_.listen(rt::Duration::zero())) return hung_up();
+      return {};
     }
     if (!talk_.listen(kModeChangeWait)) return hung_up();
-    return robot_.motion() == Motion::script ? std::nullopt : check_mode(command);
+    if (robot_.motion() == Motion::script) return {};
+    return check_mode(command);
   }
-  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Sensors& request) {
+  hal::Result<void> send(const PlannedCommand& command, const oi::Sensors& request) {
     return query(command, {request.packet});
   }
-  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::QueryList& request) {
+  hal::Result<void> send(const PlannedCommand& command, const oi::QueryList& request) {
     return query(command, {request.packets.begin(), request.packets.end()});
   }
-  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Stream& request) {
+  hal::Result<void> send(const PlannedCommand& command, const oi::Stream& request) {
     if (!talk_.send(command.bytes)) return not_sent();
     begin_stream(!request.packets.empty());
-    return std::nullopt;
+    return {};
   }
-  std::optional<hal::Failure> send(const PlannedCommand& command,
-                                   const oi::PauseResumeStream& request) {
+  hal::Result<void> send(const PlannedCommand& command, const oi::PauseResumeStream& request) {
     if (!talk_.send(command.bytes)) return not_sent();
     begin_stream(request.state == oi::StreamState::resume);
-    return std::nullopt;
+    return {};
   }
-  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::Baud& request) {
+  hal::Result<void> send(const PlannedCommand& command, const oi::Baud& request) {
     if (!talk_.send(command.bytes)) return not_sent();
     const std::uint32_t baud = oi::kCreate.baud_rates[request.code];
-    if (talk_.change_baud(baud)) return std::nullopt;
+    if (talk_.change_baud(baud)) return {};
     return hal::Failure{
         fmt::format("the port does not run at {} baud, but the robot does now; "
                     "switch it off and on again",
                     baud)};
   }
-  std::optional<hal::Failure> send(const PlannedCommand& command, const oi::ShowScript&) {
+  hal::Result<void> send(const PlannedCommand& command, const oi::ShowScript&) {
     std::vector<std::uint8_t> reply = talk_.ask(command.bytes, 1);
     if (reply.size() != 1) return unanswered();
     talk_.set_streaming(false);  // Show Script halts it (OI p. 15)
@@ -171,11 +175,10 @@ class Sending {
     const std::size_t size = oi::format_command(reply, text);
     fmt::print("{}\n", size != 0 ? std::string_view{text.data(), size}
                                  : std::string_view{"the reply is not a script"});
-    return std::nullopt;
+    return {};
   }
 
-  std::optional<hal::Failure> query(const PlannedCommand& command,
-                                    const std::vector<oi::PacketId>& packets) {
+  hal::Result<void> query(const PlannedCommand& command, const std::vector<oi::PacketId>& packets) {
     std::size_t size = 0;
     for (const oi::PacketId packet : packets) size += oi::kCreate.packet(packet).size;
     const std::vector<std::uint8_t> reply = talk_.ask(command.bytes, size);
@@ -190,28 +193,28 @@ class Sending {
       rest = rest.subspan(bytes);
     }
     std::fflush(stdout);
-    return std::nullopt;
+    return {};
   }
 
   // After a change of mode: checks that the robot is in it.
-  std::optional<hal::Failure> check_mode(const PlannedCommand& command) {
+  hal::Result<void> check_mode(const PlannedCommand& command) {
     const std::optional<oi::Mode> mode = ask_mode();
-    if (talk_.signal()) return std::nullopt;
+    if (talk_.signal()) return {};
     if (!mode) return no_answer(port_.baud(), true);
-    if (*mode == robot_.mode()) return std::nullopt;
+    if (*mode == robot_.mode()) return {};
     return hal::Failure{
         fmt::format("the robot is in {} mode after {} instead of {}; set it on its "
                     "wheels, away from edges, and unplug the charger",
                     oi::name(*mode), command.info->key, oi::name(robot_.mode()))};
   }
 
-  std::optional<hal::Failure> unanswered() {
-    if (talk_.signal()) return std::nullopt;
+  hal::Result<void> unanswered() {
+    if (talk_.signal()) return {};
     if (talk_.hung_up()) return hung_up();
     return no_answer(port_.baud(), true);
   }
-  std::optional<hal::Failure> not_sent() const {
-    return hal::Failure{
+  hal::Failure not_sent() const {
+    return {
         fmt::format("the port accepts no more bytes at {} baud; check the cable, and that the "
                     "robot's end is running",
                     port_.baud())};
@@ -247,12 +250,12 @@ class Sending {
   }
 
   // Whatever happened before, the wheels must not be left turning.
-  std::optional<hal::Failure> stop() {
+  hal::Result<void> stop() {
     if (options_.leave_running && robot_.motion() != Motion::none)
       print_remark("the wheels may still be turning, as asked for by --leave-running");
     if (options_.leave_running || robot_.motion() == Motion::none) {
       duty_.waive();
-      return std::nullopt;
+      return {};
     }
     talk_.ignore_signals();
     begun_stream_ = false;  // the farewell ends the stream
@@ -264,7 +267,7 @@ class Sending {
           "is deaf until that ends: press its power button if it moves"};
     }
     print_remark(left.by_guard ? "the guard stopped the wheels" : "stopped the wheels");
-    return std::nullopt;
+    return {};
   }
 
   void pause_stream() {
@@ -297,7 +300,8 @@ int send(const CLI::App& command, const SendOptions& options) {
   const auto bytes = encode_or_explain(*text);
   if (!bytes) return kFailure;
   const std::vector<PlannedCommand> commands = divide(*bytes);
-  if (const auto refused = objection(commands, std::nullopt, *config->baud)) return fail(*refused);
+  if (const auto refused = objection(commands, std::nullopt, *config->baud))
+    return fail({*refused});
   auto port = open_for_use(config->port, *config->baud);
   if (!port) return fail(port.failure());
   // Without a guard the wheels would keep turning for ever if this program were killed.
@@ -306,7 +310,7 @@ int send(const CLI::App& command, const SendOptions& options) {
   auto duty = hal::Duty::begin(**port, {.use = guarded ? Use::required : Use::none}, kNoPriority);
   if (!duty) return fail(duty.failure());
   Sending sending{**port, **duty, signals, options};
-  if (const auto failure = sending.run(commands)) return fail(*failure);
+  if (const auto sent = sending.run(commands); !sent) return fail(sent.failure());
   return sending.signal() ? kSignalled + *sending.signal() : kSuccess;
 }
 

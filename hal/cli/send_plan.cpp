@@ -45,11 +45,11 @@ oi::Mode after(oi::ModeChange change, oi::Mode before) {
   return before;
 }
 
-hal::Failure too_many_packets(const oi::Stream& stream, std::uint32_t baud) {
-  return {
-      fmt::format("stream: frames of {} bytes every 15 ms do not fit {} baud, which carries {}; "
-                  "ask for fewer packets, or once with query_list",
-                  oi::frame_bytes(stream.packets), baud, oi::bytes_per_tick(baud))};
+std::string too_many_packets(const oi::Stream& stream, std::uint32_t baud) {
+  return fmt::format(
+      "stream: frames of {} bytes every 15 ms do not fit {} baud, which carries {}; ask for fewer "
+      "packets, or once with query_list",
+      oi::frame_bytes(stream.packets), baud, oi::bytes_per_tick(baud));
 }
 
 }  // namespace
@@ -95,22 +95,20 @@ void Expectation::play_script() {
   }
 }
 
-std::optional<hal::Failure> objection(const std::vector<PlannedCommand>& commands,
-                                      std::optional<oi::Mode> mode, std::uint32_t baud) {
+std::optional<std::string> objection(const std::vector<PlannedCommand>& commands,
+                                     std::optional<oi::Mode> mode, std::uint32_t baud) {
   Expectation robot{mode.value_or(oi::Mode::full), baud};
   bool known = mode.has_value();
   for (const PlannedCommand& command : commands) {
     if (waits(command)) {
-      return hal::Failure{fmt::format(
+      return fmt::format(
           "{} is for scripts: outside one the robot goes deaf until it is over, and cannot be "
           "stopped; write: script {{ ... {} ... }}; play_script",
-          command.info->key, command.info->key)};
+          command.info->key, command.info->key);
     }
     if (known && !command.info->available_in(robot.mode())) {
-      return hal::Failure{
-          fmt::format("the robot is in {} mode and would ignore {}; put 'safe;' "
-                      "before it",
-                      oi::name(robot.mode()), command.info->key)};
+      return fmt::format("the robot is in {} mode and would ignore {}; put 'safe;' before it",
+                         oi::name(robot.mode()), command.info->key);
     }
     if (const auto* stream = std::get_if<oi::Stream>(&command.command);
         stream != nullptr && !stream->packets.empty() && !oi::fits(stream->packets, robot.baud())) {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "hal/result.hpp"
 #include "oi/command_table.hpp"
 #include "oi/parse.hpp"
 
@@ -50,7 +50,7 @@ class Expectation {
 
 // Why these commands must not be sent to a robot in this mode at this rate; nothing if they may be.
 // Without a mode: what holds in any mode.
-std::optional<hal::Failure> objection(const std::vector<PlannedCommand>& commands,
-                                      std::optional<oi::Mode> mode, std::uint32_t baud);
+std::optional<std::string> objection(const std::vector<PlannedCommand>& commands,
+                                     std::optional<oi::Mode> mode, std::uint32_t baud);
 
 }  // namespace cargobay::cli

@@ -89,14 +89,14 @@ void protect_places(const ServeOptions& options, Outputs& outputs) {
 }
 
 // Opens the robot's port and control socket; nothing runs yet.
-std::optional<hal::Failure> open(const ServeOptions& options, std::size_t index,
-                                 const hal::sim::World& world, Outputs& outputs, Served& robot) {
+hal::Result<void> open(const ServeOptions& options, std::size_t index, const hal::sim::World& world,
+                       Outputs& outputs, Served& robot) {
   hal::sim::ServerOptions server_options{.link = numbered(options.link, index, options.count),
                                          .priority = options.priority,
                                          .batch_bytes = options.batch_bytes};
   if (!options.trace.empty()) {
     const std::string trace = numbered(options.trace, index, options.count);
-    if (auto failure = outputs.open(trace_key(index), trace)) return failure;
+    if (auto done = outputs.open(trace_key(index), trace); !done) return done;
     robot.path = std::make_unique<hal::sim::PathRecorder>();
     server_options.on_tick = [path = robot.path.get()](const hal::sim::Device& device) {
       path->add(device.truth().pose, device.seen().bump_left || device.seen().bump_right);
@@ -113,12 +113,12 @@ std::optional<hal::Failure> open(const ServeOptions& options, std::size_t index,
     robot.server->with_device(
         [&world](hal::sim::Device& device) { hal::sim::inhabit(device, world); });
   }
-  if (options.control.empty()) return std::nullopt;
+  if (options.control.empty()) return {};
   auto control =
       hal::sim::ControlSocket::open(numbered(options.control, index, options.count), *robot.server);
   if (!control) return control.failure();
   robot.control = std::move(*control);
-  return std::nullopt;
+  return {};
 }
 
 void inflict(const PlannedFault& fault, std::vector<Served>& robots) {
@@ -158,7 +158,8 @@ int write_traces(const hal::sim::World& world, const std::vector<Served>& robots
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (!robots[i].path) continue;
     const std::string drawing = hal::sim::draw(world, robots[i].path->path());
-    if (const auto failure = outputs.write(trace_key(i), drawing)) result = fail(failure->message);
+    if (const auto done = outputs.write(trace_key(i), drawing); !done)
+      result = fail(done.failure().message);
   }
   return result;
 }
@@ -180,8 +181,8 @@ int run(const ServeOptions& options) {
   Outputs outputs;
   protect_places(options, outputs);
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (const auto failure = open(options, i, world, outputs, robots[i]))
-      return fail(failure->message);
+    if (const auto done = open(options, i, world, outputs, robots[i]); !done)
+      return fail(done.failure().message);
   }
   const auto later = std::find_if(faults.begin(), faults.end(), [](const PlannedFault& fault) {
     return fault.after > rt::Duration{0};

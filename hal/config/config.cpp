@@ -33,10 +33,10 @@ class Reader {
  public:
   Reader(const std::string& file, Config& config) : file_{file}, config_{config} {}
 
-  std::optional<Failure> read(const toml::table& root) { return take(root, root_keys()); }
+  Result<void> read(const toml::table& root) { return take(root, root_keys()); }
 
  private:
-  std::optional<Failure> take(const toml::table& table, std::span<const Key> keys);
+  Result<void> take(const toml::table& table, std::span<const Key> keys);
   Failure at(const toml::source_region& where, const std::string& what) const {
     return {file_ + ":" + std::to_string(where.begin.line) + ": " + what};
   }
@@ -50,7 +50,7 @@ class Reader {
 
   const std::string& file_;
   Config& config_;
-  std::optional<Failure> inner_{};  // of a table inside this one
+  Result<void> inside_{};  // what came of the table inside this one
 };
 
 Key text_key(std::string_view name, std::string& target) {
@@ -163,7 +163,7 @@ Key active_low_key(PinSetting& pin) {
   });
 }
 
-std::optional<Failure> Reader::take(const toml::table& table, std::span<const Key> keys) {
+Result<void> Reader::take(const toml::table& table, std::span<const Key> keys) {
   for (auto&& [name, node] : table) {
     const Key* found = nullptr;
     oi::NearestName nearest{name.str()};
@@ -180,17 +180,17 @@ std::optional<Failure> Reader::take(const toml::table& table, std::span<const Ke
                                         : "; did you mean " + std::string{nearest.name()} + "?"));
     }
     const Complaint wrong = found->take(node);
-    if (inner_) return inner_;
+    if (!inside_) return inside_;
     if (wrong) return at(node.source(), std::string{name.str()} + " " + *wrong);
   }
-  return std::nullopt;
+  return {};
 }
 
 Key Reader::table(std::string_view name, const std::function<std::vector<Key>()>& keys) {
   return {name, [this, keys](const toml::node& node) -> Complaint {
             const toml::table* inside = node.as_table();
             if (inside == nullptr) return "must be a table, with keys of its own";
-            inner_ = take(*inside, keys());
+            inside_ = take(*inside, keys());
             return std::nullopt;
           }};
 }
@@ -246,7 +246,7 @@ std::string personal_file() {
   return home == nullptr ? "" : std::string{home} + "/.config/cargobay.toml";
 }
 
-std::optional<Failure> read_file(const std::string& file, Config& config) {
+Result<void> read_file(const std::string& file, Config& config) {
   const auto text = read_input(file, {.most_bytes = kMostConfigBytes});
   if (text) return read_config(*text, file, config);
   return Failure{"cannot read the configuration " + file + ": " + text.failure().message,
@@ -255,7 +255,7 @@ std::optional<Failure> read_file(const std::string& file, Config& config) {
 
 }  // namespace
 
-std::optional<Failure> read_config(std::string_view text, const std::string& file, Config& config) {
+Result<void> read_config(std::string_view text, const std::string& file, Config& config) {
   const toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
@@ -278,7 +278,7 @@ std::vector<std::string> config_files(const std::string& file) {
 Result<Config> load_config(const std::string& file) {
   Config config;
   for (const std::string& each : config_files(file)) {
-    if (auto failure = read_file(each, config)) return *failure;
+    if (const auto done = read_file(each, config); !done) return done.failure();
   }
   return config;
 }

@@ -33,7 +33,7 @@ struct Config {
 
 // Reads the text over `config`. A wrong key or value is a failure that names `file`, the line, and
 // the nearest key; `config` is then partly changed.
-std::optional<Failure> read_config(std::string_view text, const std::string& file, Config& config);
+Result<void> read_config(std::string_view text, const std::string& file, Config& config);
 
 // `file` or, if that is empty, /etc/cargobay.toml and over it $XDG_CONFIG_HOME/cargobay.toml
 // (~/.config if the variable is not set), whichever of them exist.

@@ -47,16 +47,16 @@ Failure OutputFile::cannot_write(int error) const {
 Result<OutputFile> OutputFile::open(const std::string& path) {
   OutputFile output{path};
   const OutputName name = find_output(path);
-  std::optional<Failure> failure;
+  Result<void> opened;
   switch (name.kind) {
     case OutputName::Kind::refused: return Failure{"cannot write " + path + ": " + name.refusal};
     case OutputName::Kind::failed: return output.cannot_write(name.error);
-    case OutputName::Kind::descriptor: failure = output.open_descriptor(name.descriptor); break;
-    case OutputName::Kind::in_place: failure = output.open_in_place(name.path); break;
+    case OutputName::Kind::descriptor: opened = output.open_descriptor(name.descriptor); break;
+    case OutputName::Kind::in_place: opened = output.open_in_place(name.path); break;
     case OutputName::Kind::present: output.replaces_ = true; [[fallthrough]];
-    case OutputName::Kind::absent: failure = output.open_temporary(name.path); break;
+    case OutputName::Kind::absent: opened = output.open_temporary(name.path); break;
   }
-  if (failure) return *failure;
+  if (!opened) return opened.failure();
   return output;
 }
 
@@ -64,15 +64,15 @@ OutputFile::~OutputFile() {
   if (!temporary_.empty()) unlinkat(folder_.number(), temporary_.c_str(), 0);
 }
 
-std::optional<Failure> OutputFile::open_descriptor(int named) {
+Result<void> OutputFile::open_descriptor(int named) {
   file_ = Descriptor{fcntl(named, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)};
   if (file_.number() < 0) return cannot_write(errno);
   if ((fcntl(named, F_GETFL) & O_ACCMODE) == O_RDONLY) return cannot_write(EBADF);
   place_ = place_of(named);
-  return std::nullopt;
+  return {};
 }
 
-std::optional<Failure> OutputFile::open_in_place(const std::string& name) {
+Result<void> OutputFile::open_in_place(const std::string& name) {
   constexpr int kFlags = O_WRONLY | O_NONBLOCK | O_NOCTTY | O_NOFOLLOW | O_CLOEXEC;
   file_ = Descriptor{::open(name.c_str(), kFlags)};
   if (file_.number() < 0) return cannot_write(errno);
@@ -83,10 +83,10 @@ std::optional<Failure> OutputFile::open_in_place(const std::string& name) {
                          isatty(file_.number()) == 0;
   if (!as_before) return cannot_write(EAGAIN);
   place_ = place_of(file_.number());
-  return std::nullopt;
+  return {};
 }
 
-std::optional<Failure> OutputFile::open_temporary(const std::string& name) {
+Result<void> OutputFile::open_temporary(const std::string& name) {
   const std::size_t slash = name.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : name.substr(0, slash + 1);
   name_ = slash == std::string::npos ? name : name.substr(slash + 1);
@@ -108,7 +108,7 @@ std::optional<Failure> OutputFile::open_temporary(const std::string& name) {
     return cannot_write(error);
   }
   if (replaces_) keep_rights_of(name);
-  return std::nullopt;
+  return {};
 }
 
 void OutputFile::keep_rights_of(const std::string& name) const {

@@ -50,9 +50,9 @@ class OutputFile {
  private:
   explicit OutputFile(std::string path) : path_{std::move(path)} {}
 
-  std::optional<Failure> open_descriptor(int named);
-  std::optional<Failure> open_in_place(const std::string& name);
-  std::optional<Failure> open_temporary(const std::string& name);
+  Result<void> open_descriptor(int named);
+  Result<void> open_in_place(const std::string& name);
+  Result<void> open_temporary(const std::string& name);
   void keep_rights_of(const std::string& name) const;
   bool link_as(const std::string& name) const;
   bool move_into_place();

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cerrno>
-#include <optional>
 #include <string_view>
 #include <system_error>
 
@@ -37,9 +36,9 @@ bool is_null(const struct stat& status) {
   return S_ISCHR(status.st_mode) && status.st_rdev == makedev(kMemory, kNull);
 }
 
-// Why something of this kind is not read.
-std::optional<Failure> objection(const struct stat& status) {
-  if (S_ISREG(status.st_mode) || S_ISFIFO(status.st_mode) || is_null(status)) return std::nullopt;
+// Files and pipes are read, and /dev/null; other kinds are a failure that says why.
+Result<void> check_kind(const struct stat& status) {
+  if (S_ISREG(status.st_mode) || S_ISFIFO(status.st_mode) || is_null(status)) return {};
   if (S_ISDIR(status.st_mode)) return unreadable(EISDIR, kNameAFile);
   if (S_ISSOCK(status.st_mode)) return of_the_wrong_kind("a socket");
   return of_the_wrong_kind("a device");
@@ -84,11 +83,11 @@ Result<std::string> read_input(const std::string& path, const InputLimits& limit
   // By name first: opening a device may do something to it. Opening a port changes its lines, and
   // with them a robot's pins.
   if (stat(path.c_str(), &status) != 0) return unreadable(errno);
-  if (auto refused = objection(status)) return *refused;
+  if (const auto allowed = check_kind(status); !allowed) return allowed.failure();
   const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};
   if (file.number() < 0) return unreadable(errno);
   if (fstat(file.number(), &status) != 0) return unreadable(errno);
-  if (auto refused = objection(status)) return *refused;
+  if (const auto allowed = check_kind(status); !allowed) return allowed.failure();
   auto text = read_to_the_end(file.number(), limits, kPatienceMs);
   if (text && text->empty() && S_ISFIFO(status.st_mode)) {
     return Failure{"it is a pipe that nothing writes to; start its writer first, or name a file",

@@ -108,7 +108,7 @@ class Channel {
   virtual ~Channel() = default;
   // Measures one slice; blocks until it is done, or until `stop` is set, from any thread. What was
   // measured until then counts.
-  virtual std::optional<Failure> run_slice(const std::atomic<bool>& stop) = 0;
+  virtual Result<void> run_slice(const std::atomic<bool>& stop) = 0;
   const Measured& measured() const { return measured_; }
   const rt::RealtimeGrant& grant() const { return grant_; }
 

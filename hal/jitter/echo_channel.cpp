@@ -67,7 +67,7 @@ class EchoChannel final : public Channel {
     measured_.period = settings.period;
   }
 
-  std::optional<Failure> make_pty() {
+  Result<void> make_pty() {
     auto port = sim::PtyPort::open("", kPtyBaud);
     if (!port) return port.failure();
     port_ = std::move(*port);
@@ -78,18 +78,18 @@ class EchoChannel final : public Channel {
       return Failure{"cannot set the pseudo-terminal: " + error.message(), error};
     source_ = {.to_measured = port_->descriptor(), .from_measured = port_->descriptor()};
     from_source_ = to_source_ = stream_->terminal().descriptor;
-    return std::nullopt;
+    return {};
   }
-  std::optional<Failure> make_pipes() {
+  Result<void> make_pipes() {
     if (pipe2(&pipes_.all[0], O_CLOEXEC | O_NONBLOCK) != 0) return no_line("a pipe");
     if (pipe2(&pipes_.all[2], O_CLOEXEC | O_NONBLOCK) != 0) return no_line("a pipe");
     source_ = {.to_measured = pipes_.all[1], .from_measured = pipes_.all[2]};
     from_source_ = pipes_.all[0];
     to_source_ = pipes_.all[3];
-    return std::nullopt;
+    return {};
   }
 
-  std::optional<Failure> run_slice(const std::atomic<bool>& stop) override {
+  Result<void> run_slice(const std::atomic<bool>& stop) override {
     Stamps stamps;
     std::atomic<bool> ended{false};
     return run_line_slice(
@@ -115,8 +115,8 @@ Result<std::unique_ptr<Channel>> make_echo_channel(std::string name, EchoLine li
                                                    const Settings& settings,
                                                    const HeldFrame& held) {
   auto channel = std::make_unique<EchoChannel>(std::move(name), settings, held);
-  const auto failure = line == EchoLine::pty ? channel->make_pty() : channel->make_pipes();
-  if (failure) return *failure;
+  const auto made = line == EchoLine::pty ? channel->make_pty() : channel->make_pipes();
+  if (!made) return made.failure();
   return std::unique_ptr<Channel>{std::move(channel)};
 }
 

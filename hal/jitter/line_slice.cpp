@@ -2,11 +2,10 @@
 
 namespace cargobay::hal::jitter {
 
-std::optional<Failure> run_line_slice(const Line& line, const Settings& settings,
-                                      const HeldFrame& held, Stamps& stamps, Measured& measured,
-                                      rt::RealtimeGrant& grant, const std::function<void()>& answer,
-                                      const std::function<void()>& end,
-                                      const std::atomic<bool>& stop) {
+Result<void> run_line_slice(const Line& line, const Settings& settings, const HeldFrame& held,
+                            Stamps& stamps, Measured& measured, rt::RealtimeGrant& grant,
+                            const std::function<void()>& answer, const std::function<void()>& end,
+                            const std::atomic<bool>& stop) {
   Recorder recorder{measured, settings};
   rt::RealtimeThread answering;
   grant = answering.start({.priority = settings.priority, .cpu = settings.cpu}, answer);
@@ -21,7 +20,7 @@ std::optional<Failure> run_line_slice(const Line& line, const Settings& settings
   end();
   answering.join();
   if (!running) return Failure{"cannot start the source: " + rt::explain(sent.refusals.back())};
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace cargobay::hal::jitter

@@ -15,10 +15,9 @@ inline constexpr std::uint32_t kPtyBaud = 115200;
 
 // `answer` runs on the measured thread until `end` makes it return; `end` is called once, when the
 // source has sent all its frames. Fails if a thread cannot be made.
-std::optional<Failure> run_line_slice(const Line& line, const Settings& settings,
-                                      const HeldFrame& held, Stamps& stamps, Measured& measured,
-                                      rt::RealtimeGrant& grant, const std::function<void()>& answer,
-                                      const std::function<void()>& end,
-                                      const std::atomic<bool>& stop);
+Result<void> run_line_slice(const Line& line, const Settings& settings, const HeldFrame& held,
+                            Stamps& stamps, Measured& measured, rt::RealtimeGrant& grant,
+                            const std::function<void()>& answer, const std::function<void()>& end,
+                            const std::atomic<bool>& stop);
 
 }  // namespace cargobay::hal::jitter

@@ -42,7 +42,7 @@ class LoopChannel final : public Channel {
     measured_.period = settings.period;
   }
 
-  std::optional<Failure> run_slice(const std::atomic<bool>& stop) override {
+  Result<void> run_slice(const std::atomic<bool>& stop) override {
     ControlCycle::Parameters parameters;
     parameters.loop.estimator.tick_s = rt::seconds(settings_.period);
     parameters.loop.controller.tick_s = rt::seconds(settings_.period);

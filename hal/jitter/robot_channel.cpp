@@ -104,7 +104,7 @@ class RobotChannel final : public Channel {
   RobotChannel(const RobotChannel&) = delete;
   RobotChannel& operator=(const RobotChannel&) = delete;
 
-  std::optional<Failure> bring_up_robot(const RobotPins& pins) {
+  Result<void> bring_up_robot(const RobotPins& pins) {
     auto duty = Duty::begin(*stream_, {}, settings_.priority);
     if (!duty) return duty.failure();
     duty_ = std::move(*duty);
@@ -117,10 +117,10 @@ class RobotChannel final : public Channel {
                      report.failure().code};
     if (const std::error_code error = stream_->set_wake_threshold(oi::kCreate.frame_bytes); error)
       return Failure{"cannot set the port to wake once a frame: " + error.message(), error};
-    return std::nullopt;
+    return {};
   }
 
-  std::optional<Failure> run_slice(const std::atomic<bool>& stop) override {
+  Result<void> run_slice(const std::atomic<bool>& stop) override {
     // Discards what it sent while other channels were measured.
     stream_->discard_input();
     Recorder recorder{measured_, settings_};
@@ -144,7 +144,7 @@ class RobotChannel final : public Channel {
     measured_.missed += cycle->frames().bad + cycle->frames().lost;
     if (end != CycleEnd::asked)
       return Failure{"the robot left the loop during the measurement; see: cargobay drive"};
-    return std::nullopt;
+    return {};
   }
 
  private:
@@ -165,7 +165,7 @@ Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> 
                                                     const Settings& settings,
                                                     const HeldFrame& held) {
   auto channel = std::make_unique<RobotChannel>(std::move(stream), server, settings);
-  if (const auto failure = channel->bring_up_robot(pins)) return *failure;
+  if (const auto done = channel->bring_up_robot(pins); !done) return done.failure();
   if (server != nullptr) {
     server->with_cable([&held](sim::Cable& cable) {
       cable.faults_to_host().held_every = static_cast<std::uint32_t>(held.every);

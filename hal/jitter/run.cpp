@@ -47,17 +47,17 @@ Result<std::unique_ptr<Run>> Run::prepare(RunRequest request) {
   return run;
 }
 
-std::optional<Failure> Run::measure(const std::atomic<bool>& stop,
-                                    const std::function<void(double done)>& progress) {
+Result<void> Run::measure(const std::atomic<bool>& stop,
+                          const std::function<void(double done)>& progress) {
   std::size_t slices = 0;
   for (std::size_t round = 0; round < rounds_; ++round) {
     for (const std::unique_ptr<Channel>& channel : channels_) {
-      if (stop.load(std::memory_order_relaxed)) return std::nullopt;
-      if (auto failure = channel->run_slice(stop)) return failure;
+      if (stop.load(std::memory_order_relaxed)) return {};
+      if (auto done = channel->run_slice(stop); !done) return done;
       progress(static_cast<double>(++slices) / static_cast<double>(rounds_ * channels_.size()));
     }
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace cargobay::hal::jitter

@@ -38,8 +38,8 @@ class Run {
 
   // Blocks until all rounds are done or `stop` is set. `progress` is called between slices with the
   // fraction done. What was measured before a failure or a stop is kept.
-  std::optional<Failure> measure(const std::atomic<bool>& stop,
-                                 const std::function<void(double done)>& progress);
+  Result<void> measure(const std::atomic<bool>& stop,
+                       const std::function<void(double done)>& progress);
 
   const std::vector<std::unique_ptr<Channel>>& channels() const { return channels_; }
 

@@ -12,7 +12,7 @@ class SleepChannel final : public Channel {
     measured_.headline = Stage::woken;
   }
 
-  std::optional<Failure> run_slice(const std::atomic<bool>& stop) override {
+  Result<void> run_slice(const std::atomic<bool>& stop) override {
     Recorder recorder{measured_, settings_};
     rt::RealtimeThread thread;
     grant_ = thread.start({.priority = settings_.priority, .cpu = settings_.cpu},
@@ -20,7 +20,7 @@ class SleepChannel final : public Channel {
     if (!thread.running())
       return Failure{"cannot start the measured thread: " + rt::explain(grant_.refusals.back())};
     thread.join();
-    return std::nullopt;
+    return {};
   }
 
  private:

@@ -111,8 +111,7 @@ Calibration::Way Calibration::between(const Ways& ways, double from_s, double to
           .turn_rad = to.turn_rad - from.turn_rad};
 }
 
-std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
-                                                       CalibrationResult& result) const {
+Result<void> Calibration::measure_wheel_base(const Ways& ways, CalibrationResult& result) const {
   constexpr std::size_t kFirstTurn = 2;
   constexpr double kLeastTurn = 0.5;  // rad
   std::array<double, kLegs.size() - kFirstTurn> bases{};
@@ -129,13 +128,12 @@ std::optional<Failure> Calibration::measure_wheel_base(const Ways& ways,
   result.wheel_base_spread_mm = most - least;
   result.wheel_base_mm = 0.0;
   for (const double base : bases) result.wheel_base_mm += base / static_cast<double>(bases.size());
-  return std::nullopt;
+  return {};
 }
 
 // From the turns about each wheel, once the lag is over: the driven wheel goes twice as far as the
 // robot.
-std::optional<Failure> Calibration::measure_droop(const Ways& ways,
-                                                  CalibrationResult& result) const {
+Result<void> Calibration::measure_droop(const Ways& ways, CalibrationResult& result) const {
   constexpr double kLagOver = 2.0;  // seconds, even for the slowest
   double left_mm_s = 0.0;
   double right_mm_s = 0.0;
@@ -153,7 +151,7 @@ std::optional<Failure> Calibration::measure_droop(const Ways& ways,
   }
   result.droop_left = 1.0 - left_mm_s / speed_mm_s_;
   result.droop_right = 1.0 - right_mm_s / speed_mm_s_;
-  return std::nullopt;
+  return {};
 }
 
 Result<CalibrationResult> Calibration::result(double delay_s) const {
@@ -176,8 +174,8 @@ Result<CalibrationResult> Calibration::result(double delay_s) const {
     }
     Ways ways;
     (void)estimate(parameters, &ways);
-    if (auto failure = measure_wheel_base(ways, result)) return *failure;
-    if (auto failure = measure_droop(ways, result)) return *failure;
+    if (const auto done = measure_wheel_base(ways, result); !done) return done.failure();
+    if (const auto done = measure_droop(ways, result); !done) return done.failure();
     parameters.wheel_base_mm = result.wheel_base_mm;
   }
   result.lag_s = parameters.lag_s;

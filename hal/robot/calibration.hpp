@@ -80,8 +80,8 @@ class Calibration {
   // Travel between two instants of the pattern.
   Way between(const Ways& ways, double from_s, double to_s) const;
   static double begin_of(std::size_t leg) CARGOBAY_NONBLOCKING;
-  std::optional<Failure> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;
-  std::optional<Failure> measure_droop(const Ways& ways, CalibrationResult& result) const;
+  Result<void> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;
+  Result<void> measure_droop(const Ways& ways, CalibrationResult& result) const;
 
   double speed_mm_s_;
   std::vector<Tick> ticks_{};

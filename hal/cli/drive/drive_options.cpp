@@ -23,7 +23,7 @@ int priority(const DriveOptions& options, const hal::Config& config) {
 
 }  // namespace
 
-std::optional<hal::Failure> check(const DriveOptions& options) {
+hal::Result<void> check(const DriveOptions& options) {
   if (!(std::abs(options.speed_mm_s) <= oi::kMaxWheelSpeed)) {
     return hal::Failure{
         fmt::format("--speed {:g} is beyond the robot's -500 to 500 mm/s", options.speed_mm_s)};
@@ -44,14 +44,14 @@ std::optional<hal::Failure> check(const DriveOptions& options) {
   }
   if (options.record_file == "-")
     return hal::Failure{"--record needs a file name: a recording is binary, not text"};
-  return std::nullopt;
+  return {};
 }
 
-std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs) {
+hal::Result<void> open_outputs(const DriveOptions& options, Outputs& outputs) {
   protect_config(options.connection, outputs);
   if (!Profile::is_named(options.profile)) outputs.protect("the profile", options.profile);
-  if (auto failure = outputs.open("--record", options.record_file)) return failure;
-  if (auto failure = outputs.open("--json", options.json_file)) return failure;
+  if (auto done = outputs.open("--record", options.record_file); !done) return done;
+  if (auto done = outputs.open("--json", options.json_file); !done) return done;
   return outputs.open("--plot", options.plot_file);
 }
 

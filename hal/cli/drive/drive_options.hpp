@@ -43,10 +43,10 @@ struct DriveOptions {
 void add_drive_options(CLI::App& command, DriveOptions& options);
 
 // Looks for invalid values before anything moves.
-std::optional<hal::Failure> check(const DriveOptions& options);
+hal::Result<void> check(const DriveOptions& options);
 
 // Opens the files that the options name.
-std::optional<hal::Failure> open_outputs(const DriveOptions& options, Outputs& outputs);
+hal::Result<void> open_outputs(const DriveOptions& options, Outputs& outputs);
 
 // --reconnect as a number: NaN if it is not one, 0 if it was not given.
 double reconnect_s(const DriveOptions& options);

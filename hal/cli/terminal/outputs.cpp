@@ -16,16 +16,16 @@ void Outputs::protect(std::string what, const std::string& path) {
                       .input = true});
 }
 
-std::optional<hal::Failure> Outputs::open(std::string key, const std::string& path) {
+hal::Result<void> Outputs::open(std::string key, const std::string& path) {
   return open(std::move(key), path, Use::replace);
 }
 
-std::optional<hal::Failure> Outputs::open_to_edit(std::string key, const std::string& path) {
+hal::Result<void> Outputs::open_to_edit(std::string key, const std::string& path) {
   return open(std::move(key), path, Use::edit);
 }
 
-std::optional<hal::Failure> Outputs::open(std::string key, const std::string& path, Use use) {
-  if (path.empty()) return std::nullopt;
+hal::Result<void> Outputs::open(std::string key, const std::string& path, Use use) {
+  if (path.empty()) return {};
   Entry entry{.key = key, .what = "the file of " + key, .use = use};
   if (path == "-") {
     entry.place = hal::place_of(STDOUT_FILENO);
@@ -50,7 +50,7 @@ std::optional<hal::Failure> Outputs::open(std::string key, const std::string& pa
                                     path == "-" ? "standard output" : path, other->what)};
   }
   entries_.push_back(std::move(entry));
-  return std::nullopt;
+  return {};
 }
 
 const Outputs::Entry* Outputs::same_as(const hal::FilePlace& place, Use use) const {
@@ -67,17 +67,18 @@ Outputs::Entry* Outputs::find(std::string_view key) {
   return found == entries_.end() ? nullptr : &*found;
 }
 
-std::optional<hal::Failure> Outputs::write(std::string_view key, std::string_view text) {
+hal::Result<void> Outputs::write(std::string_view key, std::string_view text) {
   Entry* const entry = find(key);
-  if (entry == nullptr) return std::nullopt;
+  if (entry == nullptr) return {};
   if (!entry->file) {
     fmt::print("{}", text);
-    return std::nullopt;
+    return {};
   }
-  if (auto failure = entry->file->write(text)) return failure;
+  if (auto failure = entry->file->write(text)) return std::move(*failure);
   // An edited file existed before, and must not be lost if the power fails.
   if (entry->use == Use::edit) entry->file->sync();
-  return entry->file->publish();
+  if (auto failure = entry->file->publish()) return std::move(*failure);
+  return {};
 }
 
 std::optional<hal::OutputFile> Outputs::take(std::string_view key) {

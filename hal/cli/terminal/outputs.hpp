@@ -20,12 +20,12 @@ class Outputs {
   // configuration". "-" is standard input.
   void protect(std::string what, const std::string& path);
   // "-" is standard output. `key` is the option, as passed to write() and take().
-  [[nodiscard]] std::optional<hal::Failure> open(std::string key, const std::string& path);
+  [[nodiscard]] hal::Result<void> open(std::string key, const std::string& path);
   // For a file that is read and then written: it may be one of the protected ones.
-  [[nodiscard]] std::optional<hal::Failure> open_to_edit(std::string key, const std::string& path);
+  [[nodiscard]] hal::Result<void> open_to_edit(std::string key, const std::string& path);
 
   // Writes everything or nothing; ignored if the file was not opened.
-  [[nodiscard]] std::optional<hal::Failure> write(std::string_view key, std::string_view text);
+  [[nodiscard]] hal::Result<void> write(std::string_view key, std::string_view text);
   // For output that is written piece by piece. Nothing if the file was not opened.
   std::optional<hal::OutputFile> take(std::string_view key);
 
@@ -39,7 +39,7 @@ class Outputs {
     Use use = Use::replace;
     std::optional<hal::OutputFile> file{};  // none for standard output
   };
-  std::optional<hal::Failure> open(std::string key, const std::string& path, Use use);
+  hal::Result<void> open(std::string key, const std::string& path, Use use);
   const Entry* same_as(const hal::FilePlace& place, Use use) const;
   Entry* find(std::string_view key);
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <optional>
 #include <string_view>
 
 #include "hal/port/tty_speed.hpp"
@@ -68,14 +69,14 @@ std::optional<std::string> reason_to_keep(const std::string& link, const std::st
 
 }  // namespace
 
-std::optional<Failure> PtyPort::make_link(const std::string& link) {
+Result<void> PtyPort::make_link(const std::string& link) {
   constexpr int kTries = 10;  // other processes may come and go at that path
   const FolderTurn turn{link};
   int error = 0;
   for (int i = 0; i < kTries; ++i) {
     if (symlink(device_path_.c_str(), link.c_str()) == 0) {
       link_ = link;
-      return std::nullopt;
+      return {};
     }
     error = errno;
     if (error != EEXIST) break;
@@ -115,7 +116,7 @@ Result<std::unique_ptr<PtyPort>> PtyPort::open(const std::string& link, std::uin
                    error.value(), "choose one of the robot's rates");
   }
   if (!link.empty()) {
-    if (auto problem = port->make_link(link)) return std::move(*problem);
+    if (const auto linked = port->make_link(link); !linked) return linked.failure();
   }
   return port;
 }

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -56,7 +55,7 @@ class PtyPort {
         clients_{master, device_path},
         host_baud_{baud},
         device_path_{std::move(device_path)} {}
-  std::optional<Failure> make_link(const std::string& link);
+  Result<void> make_link(const std::string& link);
 
   int master_;
   PtyClients clients_;

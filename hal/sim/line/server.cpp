@@ -286,16 +286,16 @@ void Server::unplug() {
   wake();
 }
 
-std::optional<Failure> Server::replug() {
+Result<void> Server::replug() {
   {
     const std::lock_guard lock{mutex_};
-    if (port_) return std::nullopt;
+    if (port_) return {};
     Result<std::unique_ptr<PtyPort>> port = PtyPort::open(options_.link, cable_.host_baud());
     if (!port) return port.failure();
     port_ = std::move(*port);
   }
   wake();
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace cargobay::hal::sim

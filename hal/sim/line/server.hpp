@@ -101,7 +101,7 @@ class Server {
   // Pulls the adapter out: the pseudo-terminal disappears, and all clients are hung up. The robot
   // stays. Plugged in again, it is a new pseudo-terminal at the same link.
   void unplug();
-  [[nodiscard]] std::optional<Failure> replug();
+  [[nodiscard]] Result<void> replug();
 
  private:
   Server(const Parameters& parameters, const ServerOptions& options, std::unique_ptr<PtyPort> port,

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <ctime>
+#include <optional>
 #include <utility>
 
 #include "hal/machine/masked_thread.hpp"
@@ -93,7 +94,7 @@ std::string control(std::string_view line, Server& server) {
     }
     // The line beyond the port may have faults too; the code below clears them.
     if (no_more_words(rest) && (name == "replugged" || name == "none")) {
-      if (const auto problem = server.replug()) return "error: " + problem->message;
+      if (const auto done = server.replug(); !done) return "error: " + done.failure().message;
     }
   }
   std::string answer;
@@ -109,11 +110,11 @@ Result<std::unique_ptr<ControlSocket>> ControlSocket::open(const std::string& pa
   std::unique_ptr<ControlSocket> control{
       new ControlSocket{path, server, listener, wake_descriptor}};
   if (listener < 0 || wake_descriptor < 0) return failure(path, code, "free some memory");
-  if (auto problem = control->listen_on_path()) return std::move(*problem);
+  if (const auto listens = control->listen_on_path(); !listens) return listens.failure();
   return control;
 }
 
-std::optional<Failure> ControlSocket::listen_on_path() {
+Result<void> ControlSocket::listen_on_path() {
   constexpr int kTries = 10;  // other processes may come and go at that path
   constexpr const char* kTaken = "name another path, or remove what is there";
   const std::optional<sockaddr_un> address = address_of(path_);
@@ -128,7 +129,7 @@ std::optional<Failure> ControlSocket::listen_on_path() {
     if (bind(listener_, generic(*address), sizeof *address) == 0) {
       // Until it listens it looks dead: another process may just have removed it.
       const bool ours = listen(listener_, kBacklog) == 0 && is_reached(listener_, *address);
-      if (ours && lstat(path_.c_str(), &file_) == 0) return std::nullopt;
+      if (ours && lstat(path_.c_str(), &file_) == 0) return {};
       return failure(path_, std::make_error_code(std::errc::address_in_use), kTaken);
     }
     error = errno;

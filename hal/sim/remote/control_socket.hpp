@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -39,7 +38,7 @@ class ControlSocket {
  private:
   ControlSocket(std::string path, Server& server, int listener, int wake_descriptor);
 
-  std::optional<Failure> listen_on_path();
+  Result<void> listen_on_path();
   void run();
   // Waits until there is something to do: `sources` are, in order, wake-up, listener, clients.
   void wait(std::vector<pollfd>& sources) const;
