@@ -13,6 +13,8 @@
 namespace cargobay::rt {
 namespace {
 
+std::error_code last_error() { return {errno, std::generic_category()}; }
+
 std::uintptr_t address(const void* place) {
   return reinterpret_cast<std::uintptr_t>(place);  // NOLINT(*-reinterpret-cast): for page sums
 }
@@ -90,29 +92,29 @@ std::vector<Memory> own_code() {
 
 }  // namespace
 
-int MemoryLock::lock(const std::vector<Memory>& needed, const Rights& rights) {
+std::error_code MemoryLock::lock(const std::vector<Memory>& needed, const Rights& rights) {
   bytes_ = 0;
   for (const Memory memory : needed) bytes_ += pages_around(memory).bytes();
   if (!rights.lock_limit) {
-    if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno;
+    if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return last_error();
     extent_ = Extent::all;
-    return 0;
+    return {};
   }
   if (rights.has(Capability::ipc_lock) &&
       mlockall(future_is_locked() ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) {
     let_main_stack_grow();
     extent_ = Extent::all;
-    return 0;
+    return {};
   }
-  const int error = lock_pieces(needed, *rights.lock_limit);
-  if (error != 0) unlock();
+  const std::error_code error = lock_pieces(needed, *rights.lock_limit);
+  if (error) unlock();
   return error;
 }
 
-int MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::uint64_t limit) {
+std::error_code MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::uint64_t limit) {
   for (const Memory memory : needed) {
     const Pages pages = pages_around(memory);
-    if (mlock(place(pages.first), pages.bytes()) != 0) return errno;
+    if (mlock(place(pages.first), pages.bytes()) != 0) return last_error();
     pieces_.push_back(memory);
   }
   extent_ = Extent::needed;
@@ -124,7 +126,7 @@ int MemoryLock::lock_pieces(const std::vector<Memory>& needed, std::uint64_t lim
     // Stays locked: other loops may need it. If refused, it costs a page fault, once.
     (void)mlock(place(pages.first), pages.bytes());
   }
-  return 0;
+  return {};
 }
 
 void MemoryLock::unlock() {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <system_error>
 #include <vector>
 
 #include "rt/rights.hpp"
@@ -36,9 +37,9 @@ class MemoryLock {
   //   stack of the main thread may still grow;
   // - with a limit that holds, `needed`, and as much of this library's code as fits into three
   //   quarters of the limit.
-  // Call once. Returns an errno; then nothing is locked. Blocks until the memory is there;
+  // Call once. If it fails, nothing is locked. Blocks until the memory is there;
   // allocates.
-  [[nodiscard]] int lock(const std::vector<Memory>& needed, const Rights& rights);
+  [[nodiscard]] std::error_code lock(const std::vector<Memory>& needed, const Rights& rights);
   // Pages at either end that another lock shares stay locked.
   void unlock();
 
@@ -46,7 +47,7 @@ class MemoryLock {
   std::size_t bytes() const { return bytes_; }  // of `needed`, in whole pages
 
  private:
-  int lock_pieces(const std::vector<Memory>& needed, std::uint64_t limit);
+  std::error_code lock_pieces(const std::vector<Memory>& needed, std::uint64_t limit);
 
   Extent extent_ = Extent::none;
   std::size_t bytes_ = 0;

@@ -97,21 +97,22 @@ std::string explain(const RealtimeGrant& grant) {
   return lines;
 }
 
-int RealtimeThread::make_stack() {
+std::error_code RealtimeThread::make_stack() {
   const auto guard = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* const memory = mmap(nullptr, guard + kStackBytes, PROT_READ | PROT_WRITE,
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_STACK, -1, 0);
-  if (memory == MAP_FAILED) return errno;
+  if (memory == MAP_FAILED) return {errno, std::generic_category()};
   stack_ = {static_cast<const std::byte*>(memory) + guard, kStackBytes};
-  return mprotect(memory, guard, PROT_NONE) == 0 ? 0 : errno;
+  if (mprotect(memory, guard, PROT_NONE) == 0) return {};
+  return {errno, std::generic_category()};
 }
 
 void RealtimeThread::lock_memory(const RealtimeRequest& request, RealtimeGrant& grant) {
   const Rights rights = own_rights();
   std::vector<Memory> needed = request.memory;
   needed.push_back(stack_);
-  if (const int error = memory_.lock(needed, rights); error != 0) {
-    grant.refusals.push_back({.right = Refusal::Right::memory_lock, .error = error});
+  if (const std::error_code error = memory_.lock(needed, rights)) {
+    grant.refusals.push_back({.right = Refusal::Right::memory_lock, .error = error.value()});
     return;
   }
   grant.memory_locked = true;
@@ -124,8 +125,8 @@ void RealtimeThread::lock_memory(const RealtimeRequest& request, RealtimeGrant& 
 RealtimeGrant RealtimeThread::start(const RealtimeRequest& request, std::function<void()> body) {
   RealtimeGrant grant;
   body_ = std::move(body);
-  if (const int error = make_stack(); error != 0) {
-    grant.refusals.push_back({.right = Refusal::Right::stack, .error = error});
+  if (const std::error_code error = make_stack()) {
+    grant.refusals.push_back({.right = Refusal::Right::stack, .error = error.value()});
     return grant;
   }
   if (request.lock_memory) lock_memory(request, grant);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "rt/memory_lock.hpp"
@@ -68,7 +69,7 @@ class RealtimeThread {
   void detach();
 
  private:
-  int make_stack();  // returns an errno
+  std::error_code make_stack();
   void lock_memory(const RealtimeRequest& request, RealtimeGrant& grant);
   void forget();
   void let_go_of_latency();

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -302,8 +303,8 @@ hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options
 
 // As far as the kernel allows; if rights are required, what it refuses is a failure.
 hal::Result<void> boost_kworkers(hal::KworkerBoost& boost, const hal::RobotOptions& robot) {
-  const int error = boost.start();
-  if (error == 0) return {};
+  const std::error_code error = boost.start();
+  if (!error) return {};
   if (robot.require_realtime) return hal::Failure{hal::explain_kworker_boost(error)};
   print_remark(hal::explain_kworker_boost(error));
   return {};

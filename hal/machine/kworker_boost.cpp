@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "hal/machine/task_list.hpp"
@@ -32,13 +31,13 @@ KworkerBoost::KworkerBoost(int priority, std::filesystem::path proc, SchedulerCa
 
 KworkerBoost::~KworkerBoost() { stop(); }
 
-int KworkerBoost::start() {
-  if (const int error = raise_all(); error != 0) {
+std::error_code KworkerBoost::start() {
+  if (const std::error_code error = raise_all()) {
     stop();
     return error;
   }
   thread_ = std::thread{[this] { keep_raised(); }};
-  return 0;
+  return {};
 }
 
 void KworkerBoost::stop() {
@@ -56,7 +55,7 @@ void KworkerBoost::stop() {
   }
 }
 
-int KworkerBoost::raise_all() {
+std::error_code KworkerBoost::raise_all() {
   std::vector<Task> kworkers = kernel_threads(proc_);
   std::erase_if(kworkers, [](const Task& task) { return !task.is_unbound_kworker(); });
   // Forget those that have ended.
@@ -67,10 +66,10 @@ int KworkerBoost::raise_all() {
     if (task.priority != 0 && task.priority != priority_) continue;
     const int error = task.priority == 0 ? scheduler_.set_fifo(task.id, priority_) : 0;
     if (error == ESRCH) continue;  // ended since
-    if (error != 0) return error;
+    if (error != 0) return {error, std::generic_category()};
     if (std::ranges::find(raised_, task.id) == raised_.end()) raised_.push_back(task.id);
   }
-  return 0;
+  return {};
 }
 
 void KworkerBoost::keep_raised() {
@@ -80,9 +79,8 @@ void KworkerBoost::keep_raised() {
   }
 }
 
-std::string explain_kworker_boost(int error) {
-  return "raising the priority of the kworkers was refused (" +
-         std::generic_category().message(error) + "): " +
+std::string explain_kworker_boost(std::error_code error) {
+  return "raising the priority of the kworkers was refused (" + error.message() + "): " +
          (rt::own_rights().origin == rt::Rights::Origin::container
               ? "start the container with --cap-add SYS_NICE --pid=host"
               : "run as root or grant CAP_SYS_NICE") +

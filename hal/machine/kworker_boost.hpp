@@ -13,6 +13,7 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -41,9 +42,9 @@ class KworkerBoost {
   // Gives SCHED_FIFO at the priority to the kworkers that are not bound to a CPU, and within
   // kPeriod to those that the kernel adds: a thread of ordinary priority looks for them. Those at
   // another real-time priority stay as they are; those at this one were left by a process that was
-  // killed, and are taken over. Blocks for some ms; allocates. Returns an errno: if the right is
-  // refused, nothing is changed and nothing runs. Call once.
-  [[nodiscard]] int start();
+  // killed, and are taken over. Blocks for some ms; allocates. If the right is refused,
+  // nothing is changed and nothing runs. Call once.
+  [[nodiscard]] std::error_code start();
   // Makes all of these ordinary again. Idempotent. A process that is killed leaves them as they
   // are: the next one that starts and stops a boost of this priority, or chrt, puts that right.
   void stop();
@@ -51,7 +52,7 @@ class KworkerBoost {
   static constexpr std::chrono::seconds kPeriod{1};
 
  private:
-  int raise_all();
+  std::error_code raise_all();
   void keep_raised();
 
   int priority_;
@@ -68,7 +69,7 @@ class KworkerBoost {
 // not run, and while it runs, nothing that a kworker does may hold it up.
 constexpr int kworker_priority(int loop_priority) { return loop_priority - 1; }
 
-// What was refused, why, and what to do about it: one line, for an errno of start().
-std::string explain_kworker_boost(int error);
+// What was refused, why, and what to do about it: one line, for an error of start().
+std::string explain_kworker_boost(std::error_code error);
 
 }  // namespace cargobay::hal

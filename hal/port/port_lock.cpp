@@ -11,15 +11,22 @@
 #include "hal/port/tty_speed.hpp"
 
 namespace cargobay::hal {
+namespace {
 
-int PortLock::lock() {
+std::error_code last_error() { return {errno, std::generic_category()}; }
+
+std::error_code busy() { return std::make_error_code(std::errc::device_or_resource_busy); }
+
+}  // namespace
+
+std::error_code PortLock::lock() {
   const int port = descriptor();
-  if (flock(port, LOCK_EX | LOCK_NB) != 0) return EBUSY;
-  if (tcgetattr(port, &found_) != 0) return errno;
+  if (flock(port, LOCK_EX | LOCK_NB) != 0) return busy();
+  if (tcgetattr(port, &found_) != 0) return last_error();
   found_speed_ = tty_speed(port);
   ours_ = true;
   ioctl(port, TIOCEXCL);
-  return 0;
+  return {};
 }
 
 void PortLock::let_go() const {
@@ -27,13 +34,13 @@ void PortLock::let_go() const {
   flock(descriptor(), LOCK_UN);
 }
 
-int PortLock::hand_over(int descriptor) {
+std::error_code PortLock::hand_over(int descriptor) {
   PortDescriptor other = PortDescriptor::duplicate(descriptor);
-  if (other.number() < 0) return errno;
-  if (flock(other.number(), LOCK_EX | LOCK_NB) != 0) return EBUSY;
+  if (other.number() < 0) return last_error();
+  if (flock(other.number(), LOCK_EX | LOCK_NB) != 0) return busy();
   ioctl(other.number(), TIOCEXCL);
   descriptor_ = std::move(other);
-  return 0;
+  return {};
 }
 
 // A user's own terminal, named by mistake, can then be typed on again.

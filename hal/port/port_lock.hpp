@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "hal/file/port_descriptor.hpp"
@@ -36,15 +37,15 @@ class PortLock {
   // For a library that opens the port itself: no longer locked, until hand_over(). libserialport
   // locks by flock() too, from 0.1.2 on, and our lock would be in its way.
   void let_go() const;
-  // Moves the lock and descriptor() to this other open file of the port. Returns 0 or an errno,
+  // Moves the lock and descriptor() to this other open file of the port. Fails with
   // EBUSY if another process got in between. `descriptor` stays open, and still belongs to its
   // library.
-  [[nodiscard]] int hand_over(int descriptor);
+  [[nodiscard]] std::error_code hand_over(int descriptor);
 
  private:
   static Result<std::unique_ptr<PortLock>> take_now(const std::string& path);
   explicit PortLock(PortDescriptor descriptor) : descriptor_{std::move(descriptor)} {}
-  int lock();  // returns an errno
+  std::error_code lock();
 
   PortDescriptor descriptor_;
   bool ours_ = false;
@@ -52,7 +53,7 @@ class PortLock {
   std::optional<std::uint32_t> found_speed_{};
 };
 
-// One line for an errno from opening the port.
-Failure cannot_open(const std::string& path, int error);
+// One line for an error from opening the port.
+Failure cannot_open(const std::string& path, std::error_code error);
 
 }  // namespace cargobay::hal

@@ -23,30 +23,29 @@ std::string who_uses(const std::string& path) {
 
 }  // namespace
 
-Failure cannot_open(const std::string& path, int error) {
-  const std::error_code code{error, std::generic_category()};
+Failure cannot_open(const std::string& path, std::error_code error) {
   const std::string what = "cannot open " + path + ": ";
-  switch (error) {
+  switch (error.value()) {
     case ENOTTY:
     case EISDIR:
       return {what +
                   "not a terminal; name a serial port such as /dev/ttyUSB0, or what `cargobay sim` "
                   "prints",
-              code};
+              error};
     case ENOENT:
     case ENOTDIR:
     case ENXIO:
     case ENODEV:
       return {what + "no such port; plug the cable in, or list the ports with: cargobay ports",
-              code};
+              error};
     case EACCES:
     case EPERM:
       return {what +
                   "permission denied; join the group that owns it (sudo adduser $USER dialout) and "
                   "log in again",
-              code};
-    case EBUSY: return {what + "in use by " + who_uses(path), code};
-    default: return {what + code.message(), code};
+              error};
+    case EBUSY: return {what + "in use by " + who_uses(path), error};
+    default: return {what + error.message(), error};
   }
 }
 
@@ -70,10 +69,10 @@ Result<std::unique_ptr<PortLock>> PortLock::take(const std::string& path) {
 Result<std::unique_ptr<PortLock>> PortLock::take_now(const std::string& path) {
   const StandardNumbersTaken taken;
   const int descriptor = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) return cannot_open(path, errno);
+  if (descriptor < 0) return cannot_open(path, {errno, std::generic_category()});
   std::unique_ptr<PortLock> lock{new PortLock{PortDescriptor::adopt(descriptor)}};
-  if (isatty(lock->descriptor()) == 0) return cannot_open(path, ENOTTY);
-  if (const int error = lock->lock(); error != 0) return cannot_open(path, error);
+  if (isatty(lock->descriptor()) == 0) return cannot_open(path, {ENOTTY, std::generic_category()});
+  if (const std::error_code error = lock->lock()) return cannot_open(path, error);
   return lock;
 }
 

@@ -5,6 +5,7 @@
 #include <termios.h>
 
 #include <cerrno>
+#include <system_error>
 
 #include "hal/port/port_lock.hpp"
 #include "hal/port/tty_speed.hpp"
@@ -28,15 +29,16 @@ class PtyTransport final : public TtyStream {
   }
 };
 
-// Raw, 8N1, no flow control, one byte wakes a reader. Returns an errno.
-int set_raw(const PortLock& port) {
+// Raw, 8N1, no flow control, one byte wakes a reader.
+std::error_code set_raw(const PortLock& port) {
   termios settings = port.found();
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS);
   settings.c_cc[VMIN] = 1;
   settings.c_cc[VTIME] = 0;
-  return tcsetattr(port.descriptor(), TCSANOW, &settings) == 0 ? 0 : errno;
+  if (tcsetattr(port.descriptor(), TCSANOW, &settings) == 0) return {};
+  return {errno, std::generic_category()};
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ bool is_pty(const std::string& path) {
 Result<std::unique_ptr<ByteStream>> open_pty(const std::string& path, std::uint32_t baud) {
   auto lock = PortLock::take(path);
   if (!lock) return lock.failure();
-  if (const int error = set_raw(**lock); error != 0) return cannot_open(path, error);
+  if (const std::error_code error = set_raw(**lock)) return cannot_open(path, error);
   auto stream = std::make_unique<PtyTransport>(std::move(*lock), baud);
   if (const std::error_code error = stream->set_baud(baud); error) {
     return Failure{path + " does not run at " + std::to_string(baud) + " baud: " + error.message(),

@@ -109,7 +109,7 @@ PortInfo describe(const sp_port* port) {
 Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
   auto lock = PortLock::take(path);
   if (!lock) return lock.failure();
-  const auto refuse = [&path](std::error_code error) { return cannot_open(path, error.value()); };
+  const auto refuse = [&path](std::error_code error) { return cannot_open(path, error); };
   sp_port* raw = nullptr;
   if (const sp_return result = sp_get_port_by_name(path.c_str(), &raw); result != SP_OK) {
     return Failure{
@@ -126,9 +126,7 @@ Result<OpenedPort> open_serial(const std::string& path, std::uint32_t baud) {
   int descriptor = -1;
   (void)sp_get_port_handle(raw, &descriptor);  // cannot fail for an open port
   OpenPort port{unopened.release(), ClosePort{PortDescriptor::borrow(descriptor)}};
-  if (const int error = (*lock)->hand_over(descriptor); error != 0) {
-    return cannot_open(path, error);
-  }
+  if (const std::error_code error = (*lock)->hand_over(descriptor)) return refuse(error);
   if (const sp_return refused = configure(raw, baud); refused != SP_OK) {
     const std::error_code reason = error_of(refused);
     return Failure{path + " does not run at " + std::to_string(baud) + " baud: " + reason.message(),

@@ -19,6 +19,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -184,7 +185,7 @@ bool measure(Way& way, rt::Duration duration) {
   if (!(way.terminal ? channel.open_terminal() : channel.open_pipe())) return false;
   hal::KworkerBoost boost{hal::kworker_priority(kReaderPriority)};
   if (way.boosted) {
-    if (const int error = boost.start(); error != 0) {
+    if (const std::error_code error = boost.start()) {
       std::fprintf(stderr, "%s\n", hal::explain_kworker_boost(error).c_str());
       return false;
     }

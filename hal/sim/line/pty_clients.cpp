@@ -37,16 +37,16 @@ bool open_nowhere(int master) {
 
 }  // namespace
 
-int PtyClients::open() {
+std::error_code PtyClients::open() {
   // First of all: a master whose other end was never open does not report that nothing has it open.
   reopen();
-  if (own_ < 0) return errno;
+  if (own_ < 0) return {errno, std::generic_category()};
   watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (watch_ >= 0 && inotify_add_watch(watch_, path_.c_str(), IN_OPEN | IN_CLOSE) < 0) {
     close(watch_);
     watch_ = -1;
   }
-  return 0;
+  return {};
 }
 
 PtyClients::~PtyClients() {

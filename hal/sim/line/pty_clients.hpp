@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "rt/clock.hpp"
@@ -19,9 +20,9 @@ class PtyClients {
   PtyClients(const PtyClients&) = delete;
   PtyClients& operator=(const PtyClients&) = delete;
 
-  // Opens our own descriptor of the other end: 0, or errno. We hold it to end the exclusive use of
+  // Opens our own descriptor of the other end. We hold it to end the exclusive use of
   // a client that died: by then no process may open the port, not even ours.
-  [[nodiscard]] int open();
+  [[nodiscard]] std::error_code open();
   int own() const { return own_; }  // -1 while it could not be opened
   // Readable when update() should be called; -1 if the kernel refused to watch.
   int watch_descriptor() const { return watch_; }

@@ -109,8 +109,9 @@ Result<std::unique_ptr<PtyPort>> PtyPort::open(const std::string& link, std::uin
     return failure("no name for the virtual Create's pseudo-terminal", unnamed,
                    "is devpts mounted on /dev/pts?");
   }
-  if (const int error = port->clients_.open(); error != 0)
-    return failure("cannot open " + port->device_path_, error, "is devpts mounted on /dev/pts?");
+  if (const std::error_code error = port->clients_.open())
+    return failure("cannot open " + port->device_path_, error.value(),
+                   "is devpts mounted on /dev/pts?");
   if (const std::error_code error = make_raw(port->clients_.own(), baud)) {
     return failure("cannot set " + port->device_path_ + " to " + std::to_string(baud) + " baud",
                    error.value(), "choose one of the robot's rates");

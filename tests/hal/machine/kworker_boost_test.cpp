@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -71,13 +72,13 @@ class KworkerBoostTest : public testing::Test {
 TEST_F(KworkerBoostTest, PassesOverATaskThatEndsMeanwhile) {
   std::filesystem::create_directories(proc_ / "25" / "stat");
   KworkerBoost boost{79, proc_, scheduler()};
-  ASSERT_EQ(boost.start(), 0);
+  ASSERT_FALSE(boost.start());
   EXPECT_THAT(raised_, UnorderedElementsAre(21, 22));
 }
 
 TEST_F(KworkerBoostTest, RaisesTheOrdinaryOnesOfNoCpuAndLowersThemAgain) {
   KworkerBoost boost{79, proc_, scheduler()};
-  ASSERT_EQ(boost.start(), 0);
+  ASSERT_FALSE(boost.start());
   EXPECT_THAT(raised_, UnorderedElementsAre(21, 22));
   boost.stop();
   EXPECT_THAT(lowered_, UnorderedElementsAre(21, 22));
@@ -88,14 +89,14 @@ TEST_F(KworkerBoostTest, RaisesTheOrdinaryOnesOfNoCpuAndLowersThemAgain) {
 TEST_F(KworkerBoostTest, IsUndoneByItsDestructor) {
   {
     KworkerBoost boost{79, proc_, scheduler()};
-    ASSERT_EQ(boost.start(), 0);
+    ASSERT_FALSE(boost.start());
   }
   EXPECT_THAT(lowered_, UnorderedElementsAre(21, 22));
 }
 
 TEST_F(KworkerBoostTest, LeavesAloneWhatIsNoLongerAsItMadeIt) {
   KworkerBoost boost{79, proc_, scheduler()};
-  ASSERT_EQ(boost.start(), 0);
+  ASSERT_FALSE(boost.start());
   add(21, "sshd", 0, 79);                                        // its number was reused
   add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 60);  // set by another program
   boost.stop();
@@ -106,9 +107,10 @@ TEST_F(KworkerBoostTest, ChangesNothingWhereTheRightIsRefused) {
   refuse_at_ = 22;
   refuse_with_ = EPERM;
   KworkerBoost boost{79, proc_, scheduler()};
-  EXPECT_EQ(boost.start(), EPERM);
+  const std::error_code refused = boost.start();
+  EXPECT_EQ(refused, std::errc::operation_not_permitted);
   EXPECT_EQ(lowered_, raised_);
-  EXPECT_THAT(explain_kworker_boost(EPERM),
+  EXPECT_THAT(explain_kworker_boost(refused),
               AllOf(HasSubstr("Operation not permitted"), HasSubstr("SYS_NICE")));
 }
 
@@ -116,14 +118,14 @@ TEST_F(KworkerBoostTest, PassesOverOneThatHasEnded) {
   refuse_at_ = 21;
   refuse_with_ = ESRCH;
   KworkerBoost boost{79, proc_, scheduler()};
-  EXPECT_EQ(boost.start(), 0);
+  EXPECT_FALSE(boost.start());
   EXPECT_THAT(raised_, ElementsAre(22));
 }
 
 TEST_F(KworkerBoostTest, PutsRightWhatAKilledProcessLeft) {
   add(22, "kworker/u8:1-flush_to_ldisc", kFlagsOfAKworker, 79);
   KworkerBoost boost{79, proc_, scheduler()};
-  ASSERT_EQ(boost.start(), 0);
+  ASSERT_FALSE(boost.start());
   EXPECT_THAT(raised_, ElementsAre(21));
   boost.stop();
   EXPECT_THAT(lowered_, UnorderedElementsAre(21, 22));
