@@ -234,7 +234,8 @@ void end(RobotObject& object) {
   if (!object.farewell) object.farewell = object.robot->stop();
   object.life.store(RobotObject::Life::stopped, std::memory_order_release);
   if (!object.recording) return;
-  if (const auto& failure = object.recording->finish()) object.unrecorded_why = failure->message;
+  if (const auto& done = object.recording->finish(); !done)
+    object.unrecorded_why = done.failure().message;
 }
 
 int start(RobotObject& object) {

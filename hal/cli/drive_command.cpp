@@ -112,8 +112,8 @@ struct Ending {
   hal::Robot::Farewell farewell{};
   std::optional<int> signal{};
   std::string why{};  // the robot did not come back; empty if nothing waited for it
-  std::vector<std::string> recordings{};     // one per link
-  std::optional<hal::Failure> unrecorded{};  // the first that failed
+  std::vector<std::string> recordings{};  // one per link
+  hal::Result<void> recorded{};           // of the first that failed
 };
 
 // What went wrong, the worst first; empty if nothing did.
@@ -127,7 +127,7 @@ std::string complaint(const Ending& ending, const hal::Result<void>& saved) {
 int conclude(const DriveReport& report, const DriveOptions& options,
              const std::vector<DriveSample>& samples, const Ending& ending, Outputs& outputs) {
   hal::Result<void> saved = save(report, options, samples, outputs);
-  if (saved && ending.unrecorded) saved = *ending.unrecorded;
+  if (saved) saved = ending.recorded;
   if (options.json_file != "-") {
     fmt::print("{}", table(report));
     for (const std::string& file : ending.recordings)
@@ -251,7 +251,7 @@ class Drive {
     if (!recording_) return;
     recording_->append(robot.flight_recorder());
     ending.recordings.push_back(recording_->path());
-    if (!ending.unrecorded) ending.unrecorded = recording_->failure();
+    if (ending.recorded) ending.recorded = recording_->written();
     recording_.reset();
   }
 

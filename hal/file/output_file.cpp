@@ -122,8 +122,7 @@ void OutputFile::keep_rights_of(const std::string& name) const {
   (void)!fchmod(file_.number(), old.st_mode & (same_group ? kAll : kAll & ~kGroup));
 }
 
-std::optional<Failure> OutputFile::write(std::string_view bytes,
-                                         std::optional<rt::Duration> patience) {
+Result<void> OutputFile::write(std::string_view bytes, std::optional<rt::Duration> patience) {
   constexpr rt::Duration kLongest = std::chrono::hours{24};
   const bool in_place = folder_.number() < 0;
   const timespec limit = rt::as_timespec(patience.value_or(kLongest));
@@ -140,13 +139,13 @@ std::optional<Failure> OutputFile::write(std::string_view bytes,
     if (count > 0) bytes.remove_prefix(static_cast<std::size_t>(count));
     if (count < 0 && errno != EINTR && errno != EAGAIN) return cannot_write(errno);
   }
-  return std::nullopt;
+  return {};
 }
 
-std::optional<Failure> OutputFile::publish() {
-  if (published_ || folder_.number() < 0) return std::nullopt;
+Result<void> OutputFile::publish() {
+  if (published_ || folder_.number() < 0) return {};
   published_ = true;
-  if (move_into_place()) return std::nullopt;
+  if (move_into_place()) return {};
   const int error = errno;
   if (error != EEXIST) return cannot_write(error);
   const std::string aside = random_name(name_ + ".");

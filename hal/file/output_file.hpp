@@ -37,10 +37,9 @@ class OutputFile {
   // Appends all of it; after a failure, as much as there was room for. `patience` is how long to
   // wait for a pipe that takes nothing; without it, 24 h. A full disk, a limit on the file's size
   // and a pipe that nothing reads any longer are failures, not signals (SIGXFSZ, SIGPIPE).
-  [[nodiscard]] std::optional<Failure> write(std::string_view bytes,
-                                             std::optional<rt::Duration> patience = {});
+  Result<void> write(std::string_view bytes, std::optional<rt::Duration> patience = {});
   // Gives the file its name; it may still be written to. The second call does nothing.
-  [[nodiscard]] std::optional<Failure> publish();
+  Result<void> publish();
   // Blocks until what was written is on the disk.
   void sync() const;
 

@@ -20,23 +20,24 @@ std::string_view text_of(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<RecordingFile> RecordingFile::begin(OutputFile file, const RecordingHeader& header) {
-  if (auto failure = file.write(text_of(encode(header)), kPatience)) return *failure;
+  if (const auto done = file.write(text_of(encode(header)), kPatience); !done)
+    return done.failure();
   return RecordingFile{std::move(file)};
 }
 
 void RecordingFile::publish() {
-  if (!failure_) failure_ = file_.publish();
+  if (written_) written_ = file_.publish();
 }
 
 void RecordingFile::append(const FlightRecorder& recorder) {
-  if (failure_.has_value()) return;
+  if (!written_) return;
   std::vector<std::uint8_t> bytes;
   FlightRecorder::Block block;
   while (recorder.next(cursor_, block)) {
     const std::vector<std::uint8_t> more = encode(block);
     bytes.insert(bytes.end(), more.begin(), more.end());
   }
-  failure_ = file_.write(text_of(bytes), kPatience);
+  written_ = file_.write(text_of(bytes), kPatience);
 }
 
 }  // namespace cargobay::hal

@@ -1,7 +1,6 @@
 // The file that a recording goes to while the robot drives.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -26,7 +25,7 @@ class RecordingFile {
   // more than that.
   void append(const FlightRecorder& recorder);
   // What went wrong with the file since its creation: nothing is written after it.
-  const std::optional<Failure>& failure() const { return failure_; }
+  const Result<void>& written() const { return written_; }
   const std::string& path() const { return file_.path(); }
 
  private:
@@ -34,7 +33,7 @@ class RecordingFile {
 
   OutputFile file_;
   FlightRecorder::Cursor cursor_{};
-  std::optional<Failure> failure_{};
+  Result<void> written_{};
 };
 
 }  // namespace cargobay::hal

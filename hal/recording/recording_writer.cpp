@@ -25,7 +25,7 @@ void RecordingWriter::run() {
   while (!ending_.wait_for(lock, kPause, [this] { return ends_; })) append();
 }
 
-const std::optional<Failure>& RecordingWriter::finish() {
+const Result<void>& RecordingWriter::finish() {
   if (thread_.joinable()) {
     {
       const std::lock_guard lock{mutex_};
@@ -35,7 +35,7 @@ const std::optional<Failure>& RecordingWriter::finish() {
     thread_.join();
   }
   append();
-  return file_.failure();
+  return file_.written();
 }
 
 }  // namespace cargobay::hal

@@ -5,7 +5,6 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -33,8 +32,8 @@ class RecordingWriter {
   [[nodiscard]] std::error_code start();
   // Without the thread: call at least once for each minute of the robot's time.
   void append() { file_.append(recorder_); }
-  // Ends the thread and appends the rest. Returns what went wrong with the file, if anything.
-  const std::optional<Failure>& finish();
+  // Ends the thread and appends the rest. Fails with what went wrong with the file first.
+  const Result<void>& finish();
 
  private:
   RecordingWriter(RecordingFile file, const FlightRecorder& recorder)

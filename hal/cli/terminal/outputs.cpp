@@ -74,11 +74,10 @@ hal::Result<void> Outputs::write(std::string_view key, std::string_view text) {
     fmt::print("{}", text);
     return {};
   }
-  if (auto failure = entry->file->write(text)) return std::move(*failure);
+  if (auto done = entry->file->write(text); !done) return done;
   // An edited file existed before, and must not be lost if the power fails.
   if (entry->use == Use::edit) entry->file->sync();
-  if (auto failure = entry->file->publish()) return std::move(*failure);
-  return {};
+  return entry->file->publish();
 }
 
 std::optional<hal::OutputFile> Outputs::take(std::string_view key) {

@@ -60,8 +60,8 @@ class OutputFileTest : public testing::Test {
   static std::string put(const std::string& path, const std::string& text) {
     auto file = OutputFile::open(path);
     if (!file) return file.failure().message;
-    if (const auto failure = file->write(text)) return failure->message;
-    if (const auto failure = file->publish()) return failure->message;
+    if (const auto done = file->write(text); !done) return done.failure().message;
+    if (const auto done = file->publish(); !done) return done.failure().message;
     return "";
   }
 
@@ -72,12 +72,12 @@ TEST_F(OutputFileTest, ShowsNothingBeforeItIsPublished) {
   {
     auto file = OutputFile::open(path("file"));
     ASSERT_TRUE(file);
-    ASSERT_FALSE(file->write("some "));
+    ASSERT_TRUE(file->write("some "));
     EXPECT_FALSE(fs::exists(path("file")));
-    ASSERT_FALSE(file->publish());
+    ASSERT_TRUE(file->publish());
     EXPECT_EQ(contents(path("file")), "some ");
-    ASSERT_FALSE(file->write("text"));  // and is written to from there on
-    EXPECT_FALSE(file->publish());
+    ASSERT_TRUE(file->write("text"));  // and is written to from there on
+    EXPECT_TRUE(file->publish());
   }
   EXPECT_EQ(contents(path("file")), "some text");
   EXPECT_THAT(names(), testing::ElementsAre("file"));
@@ -88,7 +88,7 @@ TEST_F(OutputFileTest, LeavesWhatWasThereUntilThen) {
   {
     auto file = OutputFile::open(path("file"));
     ASSERT_TRUE(file);
-    ASSERT_FALSE(file->write("after"));
+    ASSERT_TRUE(file->write("after"));
     EXPECT_EQ(contents(path("file")), "before");
   }
   EXPECT_EQ(contents(path("file")), "before");
@@ -116,14 +116,14 @@ TEST_F(OutputFileTest, KeepsTheRightsOfWhatItReplaces) {
 TEST_F(OutputFileTest, DoesNotReplaceWhatCameMeanwhile) {
   auto file = OutputFile::open(path("file"));
   ASSERT_TRUE(file);
-  ASSERT_FALSE(file->write("ours"));
+  ASSERT_TRUE(file->write("ours"));
   write("file", "theirs");
-  const auto failure = file->publish();
-  ASSERT_TRUE(failure);
+  const auto done = file->publish();
+  ASSERT_FALSE(done);
   EXPECT_EQ(contents(path("file")), "theirs");
-  const std::string aside = failure->message.substr(failure->message.rfind(" in ") + 4);
+  const std::string aside = done.failure().message.substr(done.failure().message.rfind(" in ") + 4);
   EXPECT_THAT(aside, StartsWith(path("file.")));
-  EXPECT_EQ(contents(aside), "ours") << failure->message;
+  EXPECT_EQ(contents(aside), "ours") << done.failure().message;
 }
 
 TEST_F(OutputFileTest, FollowsLinksAndLeavesThem) {
@@ -205,11 +205,11 @@ TEST_F(OutputFileTest, DoesNotWaitForTheReaderOfAFifo) {
   // A reader that has stopped reading is not waited for either, if that was requested.
   auto file = OutputFile::open(path("fifo"));
   ASSERT_TRUE(file);
-  const auto failure = file->write(std::string(1U << 20U, 'x'), std::chrono::milliseconds{1});
-  ASSERT_TRUE(failure);
-  EXPECT_THAT(failure->message, HasSubstr("check what reads the pipe"));
+  const auto done = file->write(std::string(1U << 20U, 'x'), std::chrono::milliseconds{1});
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.failure().message, HasSubstr("check what reads the pipe"));
   close(reader);
-  EXPECT_THAT(file->write("text")->message, HasSubstr("Broken pipe"));  // and no SIGPIPE
+  EXPECT_THAT(file->write("text").failure().message, HasSubstr("Broken pipe"));  // and no SIGPIPE
 }
 
 TEST_F(OutputFileTest, WritesWhereADescriptorIsOpen) {
@@ -231,11 +231,11 @@ TEST_F(OutputFileTest, FailsAtALimitOfTheFileSize) {
   ASSERT_TRUE(file);
   const rlimit little{.rlim_cur = 1000, .rlim_max = before.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
-  const auto failure = file->write(std::string(5000, 'x'));
+  const auto done = file->write(std::string(5000, 'x'));
   setrlimit(RLIMIT_FSIZE, &before);
-  ASSERT_TRUE(failure);
-  EXPECT_THAT(failure->message, HasSubstr("File too large; raise the file size limit"));
-  ASSERT_FALSE(file->publish());
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.failure().message, HasSubstr("File too large; raise the file size limit"));
+  ASSERT_TRUE(file->publish());
   EXPECT_EQ(contents(path("file")).size(), 1000U);
   sigset_t mask{};
   pthread_sigmask(SIG_BLOCK, nullptr, &mask);
