@@ -1,5 +1,5 @@
-// The lists of packets that the loop streams, one at a time. All lists of a robot make frames of the
-// same length, so that one wake-up threshold serves any of them; for why it is 16 bytes, see
+// The lists of packets that the loop streams, one at a time. All lists of a robot make frames of
+// the same length, so that one wake-up threshold serves any of them; for why it is 16 bytes, see
 // docs/decisions/0005.
 #pragma once
 

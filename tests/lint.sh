@@ -20,6 +20,9 @@ sources() {
     \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) -print | sort
 }
 
+# For awk: what neither the formatter breaks, which leaves comments as they are, nor anything else.
+long_comment='length > 100 && /^ *(\/\/|\*)/ { print FILENAME ":" FNR ": over 100 columns" }'
+long_line='FNR == 1 { code = 0 } /^ *```/ { code = !code } length > 120 && !code && !/^(\||!|<)/ { print FILENAME ":" FNR ": over 120 columns" }'
 odd_phrases='[a-z]*manieth|(is|are) (not )?to be had|anew|tells? of|stands? in for|where there is none|roll on'
 
 need() {
@@ -37,6 +40,11 @@ check_format() {
   # clang-tidy sees this only with --alone.
   if sources | xargs --no-run-if-empty grep -nE '^ *# *include +["<][^">]+\.(c|cpp|cxx)[">]'; then
     echo "a source file is never included"
+    failed=1
+  fi
+  if sources | xargs awk "$long_comment" | grep . ||
+    find docs README.md CHANGELOG.md -name '*.md' -print0 | sort -z | xargs -0 awk "$long_line" | grep .; then
+    echo "break these lines"
     failed=1
   fi
   # The same goes for a namespace alias that nothing uses.

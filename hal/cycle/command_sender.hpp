@@ -48,7 +48,8 @@ class CommandSender {
   // Our own work takes microseconds; if it takes longer, the thread was kept from the processor.
   static constexpr rt::Duration kOwnWork = std::chrono::milliseconds{1};
 
-  // `stream` must outlive it and keep its rate, and `dialect` too. After `request_lasts` a request must have arrived.
+  // `stream` must outlive it and keep its rate, and `dialect` too. After `request_lasts` a request
+  // must have arrived.
   CommandSender(ByteStream& stream, const oi::Dialect& dialect, rt::Duration tick,
                 rt::Duration request_lasts);
 

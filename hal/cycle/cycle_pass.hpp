@@ -1,6 +1,6 @@
-// What a control cycle (hal/cycle/control_cycle.hpp, which says what each function does) is made of:
-// FrameReceiver extracts frames from bytes, TickLedger counts ticks, Setpoint and UserControl say
-// what is wanted, CommandSender sends. This class runs the pass; its parts do the work.
+// What a control cycle (hal/cycle/control_cycle.hpp, which says what each function does) is made
+// of: FrameReceiver extracts frames from bytes, TickLedger counts ticks, Setpoint and UserControl
+// say what is wanted, CommandSender sends. This class runs the pass; its parts do the work.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// Which of its robot's frame lists (oi/frame_list.hpp) a frame is of, and which of them are streamed
-// only on request.
+// Which of its robot's frame lists (oi/frame_list.hpp) a frame is of, and which of them are
+// streamed only on request.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@
 
 namespace cargobay::hal::sim {
 
-// Where the robot really is, on the floor: x points ahead and y to the left of where it stood at the
-// beginning, counter-clockwise positive.
+// Where the robot really is, on the floor: x points ahead and y to the left of where it stood at
+// the beginning, counter-clockwise positive.
 struct WorldPose {
   double x_mm = 0.0;
   double y_mm = 0.0;

@@ -103,8 +103,7 @@ void dock(const Options& options, std::uint64_t seed, Docked& docked) {
   double first_seen_s = kMostS;
   while (!run.over() && run.time_s() < kMostS) {
     run.step();
-    if (run.device().seen().beams().any())
-      first_seen_s = std::min(first_seen_s, run.time_s());
+    if (run.device().seen().beams().any()) first_seen_s = std::min(first_seen_s, run.time_s());
   }
   run.draw(options, "cover_and_dock", seed);
   const bool docks = run.device().battery().charging();

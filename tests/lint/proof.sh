@@ -190,6 +190,14 @@ for sentence in 'the so manieth frame' 'it is not to be had' 'it begins anew' 't
 done
 ! grep -qwE "$odd_phrases" <<< 'every Nth frame is reported again' || fail "lint.sh minds plain words"
 
+# 7. So is a comment or a page that nobody broke into lines.
+eval "$(grep -E '^long_(comment|line)=' tests/lint.sh)"
+long=$(printf 'word %.0s' {1..25})
+[[ -n $(awk "$long_comment" <<< "  // $long") ]] || fail "lint.sh does not mind a long comment"
+[[ -z $(awk "$long_comment" <<< "constexpr int k = 0;  // $long") ]] || fail "lint.sh minds a long row"
+[[ -n $(awk "$long_line" <<< "$long") ]] || fail "lint.sh does not mind a long line of a page"
+[[ -z $(awk "$long_line" <<< "| $long |") ]] || fail "lint.sh minds a long row of a table"
+
 if ((failures)); then
   echo "$failures failures"
   exit 1
