@@ -55,7 +55,7 @@ using Songs = FixedList<Song, kSongSlots>;
 
 // The notes as songs of sixteen, only the last of them shorter, in first_slot and the slots after
 // it. Nothing if they do not fit into these; no notes are no songs. The robot ignores Play while it
-// plays (OI p. 12): start each song when the one before has ended.
+// plays (OI p. 13): start each song when the one before has ended.
 std::optional<Songs> split(std::span<const Note> notes, std::uint8_t first_slot = 0);
 
 }  // namespace cargobay::oi

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the fault matrix and puts its table into docs/reliability.md.
 # usage: tests/campaign/fault_matrix.sh [SEEDS]
-# Builds the dev preset's fault_matrix. 1000 seeds by default: 120 000 drives, some minutes.
+# Builds the dev preset's fault_matrix. 1000 seeds by default: 132 000 drives, some minutes.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
