@@ -36,6 +36,9 @@ def cross_build(
         suite.unpack(suite.closure([*PACKAGES, COMPILER_PACKAGES[name]], NOT_NEEDED), part)
         if not (part / "lib").exists():
             (part / "lib").symlink_to("usr/lib")
+            # clang reaches its headers by lib/../include, of which ninja, without a look at the links,
+            # makes include: without that, it would compile everything again each time.
+            (part / "include").symlink_to("usr/include")
         part.rename(root)
     run_quietly(
         ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
