@@ -1,15 +1,18 @@
 // The link to a virtual Create's pseudo-terminal: what may be in its place, and what happens to
 // that.
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "drive_fixture.hpp"
+#include "hal/file/descriptor.hpp"
 #include "hal/sim/line/left_behind.hpp"
 #include "hal/sim/line/pty_port.hpp"
 
@@ -134,16 +137,21 @@ TEST(SimLink, IsOfOneAloneOfManyThatWantItAtOnce) {
 TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
   const TemporaryFolder folder;
   const std::string link = folder.path("create");
+  // A new terminal gets the lowest free number. As long as lower ones are free than that of the
+  // killed command, another test's terminal does not get it, and bring its link to life.
+  std::vector<hal::Descriptor> lower;
+  for (int i = 0; i < 16; ++i) lower.emplace_back(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
   Command first{{"sim", "--link", link}};
   ASSERT_TRUE(eventually([&] { return fs::is_symlink(link); })) << first.err();
   Command second{{"sim", "--link", link}};
   EXPECT_EQ(second.exit_code(), 1);
   EXPECT_THAT(second.err(), OneErrorLine("which is in use: end the `cargobay sim`"));
   EXPECT_TRUE(fs::exists(link)) << "still leads to the first";
+  lower.clear();
   first.send(SIGKILL);
   EXPECT_EQ(first.exit_code(), -SIGKILL);
   EXPECT_TRUE(eventually([&] { return fs::is_symlink(link) && !fs::exists(link); }));
-  // Another program may get the terminal's number, so the test checks that the link is a new one.
+  // The next one may get the same terminal, so the test checks that the link is a new one.
   const auto made = [&link] {
     struct stat file{};
     return lstat(link.c_str(), &file) == 0 ? std::pair{file.st_mtim.tv_sec, file.st_mtim.tv_nsec}
@@ -151,9 +159,9 @@ TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
   };
   const auto left_behind = made();
   Command third{{"sim", "--link", link}};
-  EXPECT_TRUE(eventually([&] { return made() != left_behind && fs::exists(link); })) << third.err();
+  EXPECT_TRUE(eventually([&] { return made() != left_behind && fs::exists(link); }));
   third.send(SIGTERM);
-  EXPECT_EQ(third.exit_code(), 0);
+  EXPECT_EQ(third.exit_code(), 0) << third.err();
 }
 
 // Between the look and the removal another file came: it is put back.
