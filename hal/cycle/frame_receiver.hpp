@@ -28,7 +28,10 @@ class FrameReceiver {
 
   // The dialect must outlive it.
   FrameReceiver(const oi::Dialect& dialect, rt::Duration tick)
-      : dialect_{dialect}, quiet_{kQuietTicks * tick} {}
+      : dialect_{dialect},
+        counters_{oi::packet_bits(dialect.packet(dialect.distance)) |
+                  oi::packet_bits(dialect.packet(dialect.angle))},
+        quiet_{kQuietTicks * tick} {}
 
   // Starts waiting.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_bytes_ = now; }
@@ -102,12 +105,13 @@ class FrameReceiver {
     see(values_);
   }
   Reading reading() const CARGOBAY_NONBLOCKING {
-    if (!values_.has(dialect_.distance) || !values_.has(dialect_.angle)) return std::nullopt;
+    if ((values_.present() & counters_) != counters_) return std::nullopt;
     return rt::WheelEstimator::Reading{.distance_mm = values_.raw(dialect_.distance),
                                        .angle_deg = values_.raw(dialect_.angle)};
   }
 
   const oi::Dialect& dialect_;
+  std::uint64_t counters_;  // bits of the packets for distance and angle
   oi::StreamDecoder decoder_{oi::Checksum::automatic, dialect_};
   oi::SensorValues values_{};
   std::uint64_t corrupt_ = 0;
