@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # No room of hal has more than 20 files, no source more than 400 lines, no class more than 25 data
-# members. (clang-tidy sees to functions: at most 60 lines.)
+# members, and the header of the control cycle parses no part of the loop. (clang-tidy sees to
+# functions: at most 60 lines.)
 # usage: sizes.sh [--self-test | ROOT]; prints what is too large, exit 1 if anything is.
 set -euo pipefail
 
@@ -24,6 +25,10 @@ check() {
   while read -r count class; do
     ((count <= most_members)) || { echo "$class has $count members: make parts of it, at most $most_members"; found=1; }
   done < <(members)
+  if grep -nH '^#include "hal/' hal/cycle/control_cycle.hpp; then
+    echo "who includes this would parse the whole loop: declare it, and include it in the .cpp"
+    found=1
+  fi
   return "$found"
 }
 
@@ -38,7 +43,8 @@ self_test() {
   local output
   copy=$(mktemp -d)
   trap 'rm -rf "$copy"' EXIT
-  mkdir -p "$copy"/{oi,rt,gpio,hal/full}
+  mkdir -p "$copy"/{oi,rt,gpio,hal/full,hal/cycle}
+  echo '#include "rt/clock.hpp"' > "$copy/hal/cycle/control_cycle.hpp"
   for i in $(seq "$most_files"); do : > "$copy/hal/full/file_$i.hpp"; done
   for i in $(seq "$most_lines"); do echo '//'; done > "$copy/rt/long.cpp"
   {
@@ -51,8 +57,9 @@ self_test() {
   : > "$copy/hal/full/one_more.hpp"
   echo '//' >> "$copy/rt/long.cpp"
   sed -i '$i\  bool one_more_;' "$copy/gpio/large.hpp"
+  echo '#include "hal/cycle/cycle_pass.hpp"' >> "$copy/hal/cycle/control_cycle.hpp"
   output=$(check "$copy") && { echo "too large, and not found"; exit 1; }
-  [[ $output == *"hal/full has 21 files"*"rt/long.cpp has 401 lines"*"class:Large has 26 members"* ]] || { echo "found otherwise: $output"; exit 1; }
+  [[ $output == *"hal/full has 21 files"*"rt/long.cpp has 401 lines"*"class:Large has 26 members"*"parse the whole loop"* ]] || { echo "found otherwise: $output"; exit 1; }
   echo "what is too large is found"
 }
 
