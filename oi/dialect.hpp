@@ -21,7 +21,6 @@ namespace cargobay::oi {
 
 // Constants of static storage: whoever is given one keeps a pointer to it.
 struct Dialect {
-  std::string_view robot;                     // its name, for people
   std::span<const PacketInfo> packets;        // each at the index of its id
   std::span<const CommandInfo> commands;      // in the order of their opcodes
   std::span<const std::uint32_t> baud_rates;  // each at the index of its code, slowest first
@@ -136,10 +135,8 @@ namespace detail {
 // The default, and those that hosts use.
 inline constexpr std::array<std::uint32_t, 3> kLikelyRates{57600, 19200, 115200};
 
-constexpr Dialect create(std::string_view name, std::span<const PacketInfo> packets,
-                         bool has_undocumented_opcodes) {
-  return {.robot = name,
-          .packets = packets,
+constexpr Dialect create(std::span<const PacketInfo> packets, bool has_undocumented_opcodes) {
+  return {.packets = packets,
           .commands = kCommands,
           .baud_rates = kBaudRates,
           .likely_rates = kLikelyRates,
@@ -155,10 +152,10 @@ constexpr Dialect create(std::string_view name, std::span<const PacketInfo> pack
 }  // namespace detail
 
 // The robot of the manual.
-inline constexpr Dialect kCreate = complete(detail::create("Create", kPackets, false));
+inline constexpr Dialect kCreate = complete(detail::create(kPackets, false));
 // The same with what some robots answer although the manual does not mention it.
 inline constexpr Dialect kCreateWithExtensions =
-    complete(detail::create("Create with undocumented packets", kPacketsWithRawCounts, true));
+    complete(detail::create(kPacketsWithRawCounts, true));
 static_assert(is_consistent(kCreate) && is_consistent(kCreateWithExtensions));
 
 }  // namespace cargobay::oi

@@ -57,7 +57,6 @@ class CyclePass {
   CycleState state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING;
   Step answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKING;
   Step control(CycleState& state) CARGOBAY_NONBLOCKING;
-  void send_command(CycleState& state, rt::TimePoint decided) CARGOBAY_NONBLOCKING;
   Step hold() CARGOBAY_NONBLOCKING;
   Step deadline_passed() CARGOBAY_NONBLOCKING;
   void stop_in_silence(rt::TimePoint now) CARGOBAY_NONBLOCKING;

@@ -29,7 +29,7 @@
 namespace cargobay::hal {
 
 struct RobotOptions {
-  ControlCycle::Parameters cycle{};
+  CycleParameters cycle = defaults_for(oi::kCreate);
   rt::RealtimeRequest realtime{};
   bool require_realtime = false;  // a refusal by the kernel is a failure, not a remark
   GuardOptions guard{};           // for a robot on a terminal; virtual time has no guard

@@ -35,8 +35,7 @@ constexpr oi::FrameLists kLists = [] {
 }();
 
 constexpr oi::Dialect kMadeUp =
-    oi::complete({.robot = "made up",
-                  .packets = oi::kPackets,
+    oi::complete({.packets = oi::kPackets,
                   .commands = std::span{oi::kCommands}.first(22),  // without scripts
                   .baud_rates = kRates,
                   .likely_rates = kLikely,
