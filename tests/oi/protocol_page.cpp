@@ -75,8 +75,9 @@ constexpr std::string_view kCommandNotesText = R"(
   clockwise on the spot, 1 counter-clockwise.
 - **LEDs.** Play is bit 1, Advance is bit 3; other bits mean nothing and are refused.
 - **Song** stores, so it works in Passive; **Play Song** sounds, so it does not, and is ignored while
-  a song plays. A song that is stored under the number of the one that plays is for the next Play. A note outside 31 to 127 is a rest. In text a note may also be named: `c4` is 60,
-  `f#5` and `bb3` are others.
+  a song plays. A song that is stored under the number of the one that plays is for the next Play. A
+  note outside 31 to 127 is a rest. In text a note may also be named: `c4` is 60, `f#5` and `bb3` are
+  others.
 - **Query List** is answered whole, however long: 255 times `group_6` are 13260 bytes, 2.3 s at 57600.
   Until then the robot obeys nothing else and sends no frame.
 - **Stream** replaces the list; a list of length 0 ends the stream. **Pause/Resume Stream** keeps it.

@@ -140,6 +140,7 @@ TEST(SimLink, OfARunningCommandIsRefusedAndOfAKilledOneReplaced) {
   // A new terminal gets the lowest free number. As long as lower ones are free than that of the
   // killed command, another test's terminal does not get it, and bring its link to life.
   std::vector<hal::Descriptor> lower;
+  lower.reserve(16);
   for (int i = 0; i < 16; ++i) lower.emplace_back(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
   Command first{{"sim", "--link", link}};
   ASSERT_TRUE(eventually([&] { return fs::is_symlink(link); })) << first.err();
