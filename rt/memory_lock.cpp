@@ -7,8 +7,12 @@
 #include <cerrno>
 #include <charconv>
 #include <fstream>
+#include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
+
+#include "rt/kernel_file.hpp"
 
 namespace cargobay::rt {
 namespace {
@@ -90,18 +94,56 @@ std::vector<Memory> own_code() {
   return segments;
 }
 
+// Locks on all of the process, and whether the program had none of its own before the first.
+struct Everything {
+  std::mutex mutex{};
+  int locks = 0;
+  bool ours = false;
+};
+Everything& everything() {
+  static Everything& shared = *new Everything;  // lives until the very end
+  return shared;
+}
+
+bool anything_locked() {
+  constexpr std::string_view kKey = "VmLck:";
+  const std::string status = kernel_file("/proc/self/status");
+  const std::size_t at = status.find(kKey);
+  if (at == std::string::npos) return true;  // who knows
+  const std::size_t number = status.find_first_not_of(" \t", at + kKey.size());
+  return number == std::string::npos || status[number] != '0';
+}
+
+std::error_code lock_everything(int flags) {
+  Everything& shared = everything();
+  const std::lock_guard guard{shared.mutex};
+  const bool before = shared.locks > 0 || anything_locked();
+  if (mlockall(flags) != 0) return last_error();
+  if (!before) shared.ours = true;
+  ++shared.locks;
+  return {};
+}
+
+void unlock_everything() {
+  Everything& shared = everything();
+  const std::lock_guard guard{shared.mutex};
+  if (--shared.locks > 0 || !shared.ours) return;
+  shared.ours = false;
+  (void)munlockall();  // nothing to be done about a failure
+}
+
 }  // namespace
 
 std::error_code MemoryLock::lock(const std::vector<Memory>& needed, const Rights& rights) {
   bytes_ = 0;
   for (const Memory memory : needed) bytes_ += pages_around(memory).bytes();
   if (!rights.lock_limit) {
-    if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return last_error();
+    if (const std::error_code error = lock_everything(MCL_CURRENT | MCL_FUTURE)) return error;
     extent_ = Extent::all;
     return {};
   }
   if (rights.has(Capability::ipc_lock) &&
-      mlockall(future_is_locked() ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) {
+      !lock_everything(future_is_locked() ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT)) {
     let_main_stack_grow();
     extent_ = Extent::all;
     return {};
@@ -134,7 +176,7 @@ void MemoryLock::unlock() {
     const Pages pages = pages_within(memory);
     if (pages.bytes() > 0) munlock(place(pages.first), pages.bytes());
   }
-  extent_ = Extent::none;
+  if (std::exchange(extent_, Extent::none) == Extent::all) unlock_everything();
 }
 
 }  // namespace cargobay::rt

@@ -25,7 +25,8 @@ class MemoryLock {
   };
 
   MemoryLock() = default;
-  // Unlocks what was locked piece by piece, except the code.
+  // Unlocks what was locked piece by piece, except the code. All of the process is unlocked by the
+  // last that locked it, unless the program had locked memory of its own before the first.
   ~MemoryLock() { unlock(); }
   MemoryLock(const MemoryLock&) = delete;
   MemoryLock& operator=(const MemoryLock&) = delete;

@@ -18,6 +18,8 @@ class SlewLimiter {
     double acceleration_mm_s2 = 1000.0;  // above 0
     double jerk_mm_s3 = 0.0;             // how fast the acceleration may grow; 0: at once
   };
+  // At which a wheel is slowed down that nobody steers, if its limit is not higher.
+  static constexpr double kBrakeMmS2 = 1000.0;
 
   explicit SlewLimiter(const Limits& limits) : limits_{limits} {}
 
@@ -30,18 +32,28 @@ class SlewLimiter {
   // One step of `step_s` seconds towards the target. Returns the speed to follow.
   double step(double target_mm_s, double step_s) CARGOBAY_NONBLOCKING {
     const double way_mm_s = target_mm_s - speed_mm_s_;
-    const double most_mm_s = most_change(way_mm_s, step_s);
-    const double change_mm_s = std::clamp(way_mm_s, -most_mm_s, most_mm_s);
-    // Adding the difference could miss the target by a rounding error.
-    speed_mm_s_ = change_mm_s == way_mm_s ? target_mm_s : speed_mm_s_ + change_mm_s;
-    rate_mm_s2_ = change_mm_s / step_s;
-    return speed_mm_s_;
+    return change(way_mm_s, most_change(way_mm_s, step_s), target_mm_s, step_s);
+  }
+  // One step towards standstill, for a wheel that nobody steers: however gentle the limits, it does
+  // not roll far.
+  double brake(double step_s) CARGOBAY_NONBLOCKING {
+    const double most_mm_s = std::max(limits_.acceleration_mm_s2, kBrakeMmS2) * step_s;
+    return change(-speed_mm_s_, most_mm_s, 0.0, step_s);
   }
   double speed_mm_s() const CARGOBAY_NONBLOCKING { return speed_mm_s_; }
   // Acceleration of the last step.
   double rate_mm_s2() const CARGOBAY_NONBLOCKING { return rate_mm_s2_; }
 
  private:
+  double change(double way_mm_s, double most_mm_s, double target_mm_s, double step_s)
+      CARGOBAY_NONBLOCKING {
+    const double change_mm_s = std::clamp(way_mm_s, -most_mm_s, most_mm_s);
+    // Adding the difference could miss the target by a rounding error.
+    speed_mm_s_ = change_mm_s == way_mm_s ? target_mm_s : speed_mm_s_ + change_mm_s;
+    rate_mm_s2_ = change_mm_s / step_s;
+    return speed_mm_s_;
+  }
+
   // The greatest change towards the target in this step, unsigned.
   double most_change(double way_mm_s, double step_s) const CARGOBAY_NONBLOCKING {
     const double most_mm_s = limits_.acceleration_mm_s2 * step_s;

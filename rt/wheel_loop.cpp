@@ -25,10 +25,12 @@ void WheelLoop::frame(const std::optional<WheelEstimator::Reading>& reading) CAR
   estimator_.step(command_, reading);
 }
 
-double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,
+double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s, Steering steering,
                               const Parameters& parameters) CARGOBAY_NONBLOCKING {
   const double former_mm_s = slew.speed_mm_s();
-  const double set_mm_s = slew.step(target_mm_s, parameters.controller.tick_s);
+  const double tick_s = parameters.controller.tick_s;
+  const double set_mm_s =
+      steering == Steering::nobody ? slew.brake(tick_s) : slew.step(target_mm_s, tick_s);
   // What the integral learnt in one direction is wrong in the other.
   if (set_mm_s == 0.0 || set_mm_s * former_mm_s < 0.0) controller.reset();
   if (set_mm_s == 0.0) return 0.0;
@@ -38,10 +40,10 @@ double WheelLoop::Wheel::step(double target_mm_s, double estimate_mm_s,
   return static_cast<double>(std::lrint(command_mm_s));
 }
 
-WheelSpeeds WheelLoop::control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
+WheelSpeeds WheelLoop::step(const WheelSpeeds& target, Steering steering) CARGOBAY_NONBLOCKING {
   const WheelSpeeds now = estimate();
-  command_ = {left_.step(target.left_mm_s, now.left_mm_s, parameters_),
-              right_.step(target.right_mm_s, now.right_mm_s, parameters_)};
+  command_ = {left_.step(target.left_mm_s, now.left_mm_s, steering, parameters_),
+              right_.step(target.right_mm_s, now.right_mm_s, steering, parameters_)};
   return command_;
 }
 

@@ -37,7 +37,11 @@ class WheelLoop {
   // ... and then this, once. Returns the command for the wheels, whole mm/s within the robot's
   // range. When the acceleration limit has brought the set speed to a target of 0, the command is
   // exactly 0.
-  WheelSpeeds control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING;
+  WheelSpeeds control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
+    return step(target, Steering::program);
+  }
+  // The same for wheels that nobody steers: slows them down as SlewLimiter::brake() does.
+  WheelSpeeds brake() CARGOBAY_NONBLOCKING { return step({}, Steering::nobody); }
   // The command could not be sent: the previous one still acts.
   void not_sent(const WheelSpeeds& former) CARGOBAY_NONBLOCKING { command_ = former; }
   // The command may act a tick later than one sent in time.
@@ -58,12 +62,15 @@ class WheelLoop {
   bool next_reads() CARGOBAY_NONBLOCKING;
 
  private:
+  enum class Steering : bool { nobody, program };
   struct Wheel {
     SlewLimiter slew;
     VelocityController controller;
-    double step(double target_mm_s, double estimate_mm_s, const Parameters& parameters)
-        CARGOBAY_NONBLOCKING;
+    double step(double target_mm_s, double estimate_mm_s, Steering steering,
+                const Parameters& parameters) CARGOBAY_NONBLOCKING;
   };
+
+  WheelSpeeds step(const WheelSpeeds& target, Steering steering) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   WheelEstimator estimator_;

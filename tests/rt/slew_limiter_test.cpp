@@ -158,5 +158,24 @@ TEST(SlewLimiter, ResetsPastItsLimits) {
   EXPECT_EQ(limiter.rate_mm_s2(), 0.0);
 }
 
+// However gentle the limits: 500 mm/s are gone after half a second.
+TEST(SlewLimiter, BrakesAWheelThatNobodySteers) {
+  for (const double from : {500.0, -500.0}) {
+    SlewLimiter limiter{{.acceleration_mm_s2 = 20.0, .jerk_mm_s3 = 5.0}};
+    limiter.reset(from);
+    for (int tick = 0; tick < 33; ++tick) {
+      EXPECT_NE(limiter.speed_mm_s(), 0.0);
+      const double former = limiter.speed_mm_s();
+      EXPECT_NEAR(std::abs(limiter.brake(kTick) - former), 15.0, 1e-9);
+    }
+    EXPECT_EQ(limiter.brake(kTick), 0.0);
+    EXPECT_EQ(limiter.brake(kTick), 0.0);
+  }
+  SlewLimiter quick{{.acceleration_mm_s2 = 2000.0}};
+  quick.reset(500.0);
+  for (int tick = 0; tick < 17; ++tick) quick.brake(kTick);
+  EXPECT_EQ(quick.speed_mm_s(), 0.0) << "no gentler than its limit";
+}
+
 }  // namespace
 }  // namespace cargobay::rt
