@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
+
+#include "rt/unchecked.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -44,6 +47,7 @@ rt::Duration Cable::next_event() const {
   if (const auto arrival = to_robot_.next_arrival(device_->baud())) next = std::min(next, *arrival);
   if (const auto arrival = device_->output().next_arrival(host_baud_))
     next = std::min(next, *arrival);
+  if (!later_.empty()) next = std::min(next, later_.begin()->first);
   // If the robot's rate has just become faster, bytes may be over already.
   return std::max(next, now());
 }
@@ -59,6 +63,7 @@ rt::Duration Cable::next_batch(std::size_t batch) const {
   };
   consider(to_robot_, device_->baud());
   consider(device_->output(), host_baud_);
+  if (!later_.empty()) next = std::min(next, later_.begin()->first);
   return std::max(next, now());
 }
 
@@ -66,9 +71,23 @@ void Cable::advance_to(rt::Duration time) {
   for (;;) {
     const rt::Duration next = std::min(next_event(), time);
     device_->advance(next - now());
+    // In virtual time the loop that waits is the one who moves it on.
+    if (!later_.empty()) rt::unchecked([this] { do_what_is_due(); });
     move_to_robot();
     move_to_host();
     if (next >= time) return;
+  }
+}
+
+void Cable::at(rt::Duration time, std::function<void(Cable&)> deed) {
+  later_.emplace(time, std::move(deed));
+  do_what_is_due();
+}
+
+void Cable::do_what_is_due() {
+  while (!later_.empty() && later_.begin()->first <= now()) {
+    const auto due = later_.extract(later_.begin());
+    due.mapped()(*this);
   }
 }
 

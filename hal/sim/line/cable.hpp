@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <span>
 
 #include "hal/sim/line/line_faults.hpp"
@@ -54,6 +56,10 @@ class Cable {
   // has been kept waiting except the first bytes of a batch whose last is still to come.
   rt::Duration next_batch(std::size_t batch) const;
 
+  // Does something when the time has come; at once if it is past. What is done may depend on the
+  // order of the calls.
+  void at(rt::Duration time, std::function<void(Cable&)> deed);
+
   // Bytes that have arrived at the host.
   std::size_t available() const { return arrived_.size(); }
   std::size_t take(std::span<std::uint8_t> bytes);
@@ -69,6 +75,7 @@ class Cable {
   void move_to_robot();
   void move_to_host();
   void arrive_at_host(std::uint8_t byte);
+  void do_what_is_due();
 
   Device* device_;  // outlives the cable
   std::uint32_t host_baud_;
@@ -77,6 +84,7 @@ class Cable {
   FaultyLine to_host_faults_;
   RingBuffer<std::uint8_t> arrived_{kHostRoom};
   CableCounters counters_{};
+  std::multimap<rt::Duration, std::function<void(Cable&)>> later_{};
 };
 
 }  // namespace cargobay::hal::sim

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -17,6 +19,7 @@ namespace {
 
 constexpr double kShortPressMs = 200.0;
 constexpr double kLongestPressMs = 3'600'000.0;
+constexpr double kLongestSeconds = 86'400.0;
 constexpr double kFarthestMm = 1e6;
 constexpr double kMostMah = 65535.0;
 constexpr double kFastestMmPerSec = 1000.0;
@@ -214,6 +217,7 @@ std::optional<std::string> state(std::string_view rest, Cable& cable) {
 }
 
 std::optional<std::string> help(std::string_view rest, Cable& cable);
+std::optional<std::string> later(std::string_view rest, Cable& cable);
 
 using Answer = std::optional<std::string>;
 Answer ok_if(bool done) { return done ? Answer{""} : std::nullopt; }
@@ -267,6 +271,8 @@ constexpr std::array kControls{
                 "turns its wheels by hand while its motors are off", &to_robot<turn_wheels>},
     ControlInfo{"fault", "NAME [ARGUMENTS]", "makes something go wrong; `fault` alone lists what",
                 &fault},
+    ControlInfo{"at", "SECONDS COMMAND",
+                "does one of these when the virtual Create has run for that long", &later},
     ControlInfo{"state", "", "prints its whole state, as JSON", &state},
     ControlInfo{"help", "", "lists these", &help},
 };
@@ -283,6 +289,23 @@ std::optional<std::string> help(std::string_view rest, Cable& /*cable*/) {
   return "ok " + names();
 }
 
+const ControlInfo* find_control(std::string_view name) {
+  const auto* const info = std::ranges::find(kControls, name, &ControlInfo::name);
+  return info == kControls.end() ? nullptr : info;
+}
+
+// What the command answers then, nobody hears: it is tried now, on another robot of the kind.
+std::optional<std::string> later(std::string_view rest, Cable& cable) {
+  const std::optional<double> seconds = to_number(next_word(rest), 0.0, kLongestSeconds);
+  if (!seconds || no_more_words(rest)) return std::nullopt;
+  const auto another = std::make_unique<Device>(cable.device().parameters());
+  Cable its_cable{*another};
+  if (std::string answer = control(rest, its_cable); answer.starts_with("error: ")) return answer;
+  cable.at(rt::Duration{std::llround(*seconds * 1e9)},
+           [line = std::string{rest}](Cable& then) { (void)control(line, then); });
+  return "";
+}
+
 }  // namespace
 
 std::span<const ControlInfo> controls() { return kControls; }
@@ -290,10 +313,8 @@ std::span<const ControlInfo> controls() { return kControls; }
 std::string control(std::string_view line, Cable& cable) {
   std::string_view rest = line;
   const std::string_view name = next_word(rest);
-  const auto* const info =
-      std::find_if(kControls.begin(), kControls.end(),
-                   [name](const ControlInfo& each) { return each.name == name; });
-  if (info == kControls.end()) {
+  const ControlInfo* const info = find_control(name);
+  if (info == nullptr) {
     return "error: unknown command '" + std::string{name} + "'; the commands are: " + names();
   }
   if (const std::optional<std::string> answer = info->apply(rest, cable))

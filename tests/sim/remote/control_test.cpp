@@ -279,5 +279,34 @@ TEST(Control, AnswersEveryCommandThatItLists) {
   }
 }
 
+TEST(Control, DoesThingsLater) {
+  Controlled robot;
+  EXPECT_EQ(robot.say("at 1.5 bump left"), "ok");
+  EXPECT_EQ(robot.say("at 0.5 cliff left on"), "ok");
+  const auto pressed = [&] { return robot.device.inputs().bump_left; };
+  robot.wait(std::chrono::milliseconds{499});
+  EXPECT_FALSE(robot.device.inputs().cliff_left.cliff);
+  robot.wait(std::chrono::milliseconds{2});
+  EXPECT_TRUE(robot.device.inputs().cliff_left.cliff);
+  EXPECT_FALSE(pressed());
+  robot.wait(std::chrono::milliseconds{1000});
+  EXPECT_TRUE(pressed());
+}
+
+TEST(Control, DoesWhatIsOverdueAtOnce) {
+  Controlled robot;
+  robot.wait(std::chrono::seconds{1});
+  EXPECT_EQ(robot.say("at 0.5 bump left"), "ok");
+  EXPECT_TRUE(robot.device.inputs().bump_left);
+}
+
+TEST(Control, RefusesWhatItCannotDoLater) {
+  Controlled robot;
+  for (const char* line : {"at", "at 1", "at x bump left", "at -1 bump left", "at 1e9 bump left"})
+    EXPECT_EQ(robot.say(line), "error: the usage is 'at SECONDS COMMAND'") << line;
+  EXPECT_EQ(robot.say("at 1 bumb left").substr(0, 28), "error: unknown command 'bumb");
+  EXPECT_EQ(robot.say("at 1 bump sideways"), "error: the usage is 'bump none|left|right|both'");
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim
