@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian packages libcargobay0, libcargobay-dev and cargobay into build/packages.
+# Builds the Debian packages libcargobay0, libcargobay-dev, python3-cargobay and cargobay into
+# build/packages.
 # usage: .ci/package.sh [amd64|arm64|armhf]
 # Without an architecture: that of this machine. For another it is cross-compiled.
 # Asks nothing; installs what is missing. For the Debian that it runs on: packages for Debian 13 are
@@ -15,7 +16,7 @@ case $architecture in
   arm64) preset=aarch64 purpose=package-arm64 ;;
   armhf) preset=armhf purpose=package-armhf ;;
   *)
-    sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac
@@ -60,7 +61,7 @@ export CFLAGS CXXFLAGS LDFLAGS
 logged "configuring for $architecture" cmake --preset "$preset" -B "$tree" \
   -D CMAKE_INSTALL_PREFIX=/usr -D CARGOBAY_COMMAND=ON -D CARGOBAY_SHARED=ON -D BUILD_TESTING=OFF
 logged "building (some minutes the first time)" cmake --build "$tree" -j "${CARGOBAY_JOBS:-$(nproc)}"
-rm -f "$packages"/*_"$architecture".deb
+rm -f "$packages"/*_"$architecture".deb "$packages"/python3-cargobay_*_all.deb
 logged "packing" for_architecture cpack --config "$tree/CPackConfig.cmake" -B "$packages"
 rm -rf "$packages/_CPack_Packages"
-ls "$packages"/*_"$architecture".deb
+ls "$packages"/*_"$architecture".deb "$packages"/python3-cargobay_*_all.deb

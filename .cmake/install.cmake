@@ -1,6 +1,6 @@
 # What is installed where, and the Debian packages that .ci/package.sh makes of it. Included last.
-# Each component is a package: library (libcargobay0), development (libcargobay-dev), command
-# (cargobay).
+# Each component is a package: library (libcargobay0), development (libcargobay-dev), python
+# (python3-cargobay), command (cargobay).
 if(NOT PROJECT_IS_TOP_LEVEL OR NOT TARGET cargobay_shared)
   return()
 endif()
@@ -54,6 +54,8 @@ file(GLOB worlds CONFIGURE_DEPENDS examples/worlds/*.world)
 install(FILES ${examples} examples/CMakeLists.txt examples/README.md DESTINATION ${examples_dir}
   COMPONENT development)
 install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT development)
+install(DIRECTORY examples/rust DESTINATION ${examples_dir} COMPONENT development
+  PATTERN .gitignore EXCLUDE PATTERN target EXCLUDE PATTERN Cargo.lock EXCLUDE)
 
 # The command, and what prepares a machine for it.
 if(TARGET cargobay)
@@ -69,24 +71,23 @@ if(TARGET cargobay)
   install(FILES examples/system/60-cargobay.rules DESTINATION lib/udev/rules.d COMPONENT command)
   install(FILES examples/system/cargobay@.service DESTINATION lib/systemd/system
     COMPONENT command)
-  install(FILES examples/python/cargobay.py DESTINATION lib/python3/dist-packages
-    COMPONENT command)
   set(examples_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay/examples)
   install(FILES examples/system/cargobay.toml DESTINATION ${examples_dir} COMPONENT command)
-  install(FILES examples/python/heading.py examples/python/square.py
-    DESTINATION ${examples_dir}/python COMPONENT command)
   install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT command)
   # Messages, headers and man pages refer readers to these.
   file(GLOB pages CONFIGURE_DEPENDS docs/*.md docs/*.svg)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay COMPONENT command)
 endif()
 
-set(CPACK_COMPONENTS_ALL library development)
+add_subdirectory(hal/python)
+
+set(CPACK_COMPONENTS_ALL library development python)
 if(TARGET cargobay)
   list(APPEND CPACK_COMPONENTS_ALL command)
 endif()
 set(package_library libcargobay0)
 set(package_development libcargobay-dev)
+set(package_python python3-cargobay)
 set(package_command cargobay)
 
 set(release 1)  # of the packages of this version
@@ -167,10 +168,25 @@ Create, in real or virtual time, replaces a robot.
 This package contains the headers for C and C++, the files for CMake and
 pkg-config, and examples.")
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME ${package_python})
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11)")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${packaging_dir}/postinst ${packaging_dir}/prerm)
+set(CPACK_COMPONENT_PYTHON_DEPENDS library)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+"real-time control of the iRobot Create (Python package)
+Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
+a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
+frame, estimates the wheel speeds and closes the velocity loop. A virtual
+Create, in real or virtual time, replaces a robot.
+
+This package contains the Python package cargobay, and examples.")
+
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME ${package_command})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION electronics)
-set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS python3)
-set(CPACK_DEBIAN_COMMAND_PACKAGE_CONTROL_EXTRA ${packaging_dir}/postinst ${packaging_dir}/prerm)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS python3-cargobay)
 set(CPACK_COMPONENT_COMMAND_DEPENDS library)
 set(CPACK_COMPONENT_COMMAND_DESCRIPTION
 "real-time control of the iRobot Create (command)
@@ -180,8 +196,7 @@ frame, estimates the wheel speeds and closes the velocity loop. A virtual
 Create, in real or virtual time, replaces a robot.
 
 This package contains the command cargobay, which brings a robot up, drives,
-records and replays, measures timing and serves virtual robots; the Python
-module cargobay; a udev rule for serial adapters and GPIO, and a systemd unit
-for controllers.")
+records and replays, measures timing and serves virtual robots; a udev rule for
+serial adapters and GPIO, and a systemd unit for controllers.")
 
 include(CPack)

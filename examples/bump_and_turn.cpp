@@ -5,37 +5,37 @@
 
 using namespace std::chrono_literals;
 
-static cargobay::Expected<void> wander(const char* port) {
-  auto pen = cargobay::VirtualCreate::open(
-      {.time = CARGOBAY_SIM_VIRTUAL, .world = CARGOBAY_EXAMPLES "/worlds/pen.world"});
-  if (!pen) return pen.error();
-  auto robot = cargobay::Robot::open(port != nullptr ? cargobay::Options{.port = port}
-                                                     : cargobay::Options{.sim = &*pen});
-  if (!robot) return robot.error();
-  if (auto started = robot->start(); !started) return started;
-  std::chrono::nanoseconds now{0};
+static cargobay::Expected<void> wander(cargobay::Robot& robot) {
   std::chrono::nanoseconds turn_until{0};
   double turn_rad_s = 0.0;
   int bumps = 0;
-  while (now < 1min) {
-    const auto state = robot->wait(1s);
-    if (!state) return state.error();
-    now = std::chrono::nanoseconds{state->time_ns};
-    while (const auto event = robot->next_event()) {
-      if (event->kind != CARGOBAY_EVENT_BUMP_BEGAN) continue;
+  if (auto started = robot.start(); !started) return started;
+  auto states = robot.states(1s);
+  auto events = robot.events();
+  for (const cargobay::State& state : states) {
+    for (const cargobay::Event& event : events) {
+      if (event.kind != cargobay::EventKind::bump_began) continue;
       ++bumps;
-      turn_rad_s = event->bumps == CARGOBAY_BUMP_LEFT ? -1.5 : 1.5;
-      turn_until = now + 1100ms;
+      turn_rad_s = event.bumps == cargobay::Bump::left ? -1.5 : 1.5;
+      turn_until = state.robot_time + 1100ms;
     }
-    auto set = now < turn_until ? robot->drive(0.0, turn_rad_s) : robot->drive(200.0, 0.0);
+    const bool turns = state.robot_time < turn_until;
+    auto set = turns ? robot.drive(0.0, turn_rad_s) : robot.drive(200.0, 0.0);
     if (!set) return set;
+    if (state.robot_time < 1min) continue;
+    std::printf("%d bumps in a minute\n", bumps);
+    return robot.end();
   }
-  std::printf("%d bumps in a minute\n", bumps);
-  return robot->stop();
+  return states.outcome();
 }
 
 int main(int argc, char** argv) {
-  const auto done = wander(argc > 1 ? argv[1] : nullptr);
+  auto pen = cargobay::Sim::open(
+      {.time = cargobay::SimTime::virtual_time, .world = CARGOBAY_EXAMPLES "/worlds/pen.world"});
+  auto robot = argc > 1 ? cargobay::Robot::open({.port = argv[1]})
+               : pen    ? cargobay::Robot::open({.sim = &*pen})
+                        : cargobay::Unexpected{pen.error()};
+  const auto done = robot ? wander(*robot) : cargobay::Unexpected{robot.error()};
   if (!done) std::fprintf(stderr, "%s\n", done.error().message);
   return done ? 0 : 1;
 }

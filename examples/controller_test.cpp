@@ -8,25 +8,24 @@
 using namespace std::chrono_literals;
 
 // Under test: drives 1 m ahead, keeps its heading, stops.
-static cargobay::Wheels one_metre(const cargobay::State& state) {
-  const double velocity_mm_s = std::clamp(2.0 * (1000.0 - state.x_mm), -200.0, 200.0);
-  return cargobay::wheels_of(velocity_mm_s, -2.0 * state.heading_rad);
+static cargobay::Twist one_metre(const cargobay::State& state) {
+  return {.velocity_mm_s = std::clamp(2.0 * (1000.0 - state.x_mm), -200.0, 200.0),
+          .turn_rate_rad_s = -2.0 * state.heading_rad};
 }
 
 // The true pose after a minute.
 static cargobay::Expected<cargobay::Truth> run() {
-  auto create = cargobay::VirtualCreate::open({.time = CARGOBAY_SIM_VIRTUAL});
-  if (!create) return create.error();
-  auto robot = cargobay::Robot::open({.flags = CARGOBAY_NO_CONFIG, .sim = &*create});
-  if (!robot) return robot.error();
-  if (auto set = robot->control(one_metre); !set) return set.error();
-  if (auto started = robot->start(); !started) return started.error();
-  for (std::chrono::nanoseconds now{0}; now < 1min;) {
-    const auto state = robot->wait(1s);
-    if (!state) return state.error();
-    now = std::chrono::nanoseconds{state->time_ns};
+  auto sim = cargobay::Sim::open({.time = cargobay::SimTime::virtual_time});
+  if (!sim) return cargobay::Unexpected{sim.error()};
+  auto robot = cargobay::Robot::open({.sim = &*sim});
+  if (!robot) return cargobay::Unexpected{robot.error()};
+  if (auto set = robot->set_control(one_metre); !set) return cargobay::Unexpected{set.error()};
+  if (auto started = robot->start(); !started) return cargobay::Unexpected{started.error()};
+  auto states = robot->states(1s);
+  for (const cargobay::State& state : states) {
+    if (state.robot_time >= 1min) return sim->truth();
   }
-  return create->truth();
+  return cargobay::Unexpected{states.outcome().error()};
 }
 
 static int check(bool holds, const char* what) {

@@ -17,10 +17,10 @@ static void show(const char* whose, struct cargobay_histogram* histogram) {
 }
 
 static int measure(struct cargobay_robot* robot, struct cargobay_histogram* histogram) {
-  if (cargobay_start(robot) != 0 || cargobay_wait(robot, -1, NULL) != 0) return -1;
-  int64_t before_ns = now_ns();
-  for (int frame = 0; frame < 200; ++frame) {
-    if (cargobay_wait(robot, -1, NULL) != 0) return -1;
+  struct cargobay_state state = {.size = sizeof state, .tick = -1};
+  if (cargobay_start(robot) != 0 || cargobay_wait(robot, -1, -1, &state) != 0) return -1;
+  for (int64_t before_ns = now_ns(); state.tick < 200;) {
+    if (cargobay_wait(robot, state.tick, -1, &state) != 0) return -1;
     const int64_t woken_ns = now_ns();
     cargobay_histogram_record(histogram, woken_ns - before_ns);
     before_ns = woken_ns;
@@ -28,12 +28,12 @@ static int measure(struct cargobay_robot* robot, struct cargobay_histogram* hist
   show("this thread", histogram);
   if (cargobay_copy_histogram(robot, CARGOBAY_MEASURE_PERIOD, histogram) != 0) return -1;
   show("control thread", histogram);
-  return cargobay_stop(robot);
+  return cargobay_end(robot);
 }
 
 int main(int argc, char** argv) {
   struct cargobay_options options = {.size = sizeof options,
-                                     .flags = argc > 1 ? 0u : CARGOBAY_NO_CONFIG,
+                                     .flags = argc > 1 ? 0u : CARGOBAY_FLAG_NO_CONFIG,
                                      .port = argc > 1 ? argv[1] : NULL};
   struct cargobay_histogram* histogram = NULL;
   struct cargobay_robot* robot = NULL;

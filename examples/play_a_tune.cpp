@@ -10,33 +10,32 @@ static constexpr const char* kTune =
 
 static cargobay::Expected<void> play(const cargobay::Options& options) {
   auto robot = cargobay::Robot::open(options);
-  if (!robot) return robot.error();
+  if (!robot) return cargobay::Unexpected{robot.error()};
   if (auto started = robot->start(); !started) return started;
-  auto state = robot->wait(1s);
-  if (!state) return state.error();
-  const auto songs = robot->tune(0, kTune);
-  if (!songs) return songs.error();
-  std::uint8_t slot = 0;
+  auto state = robot->wait(-1, 1s);
+  if (!state) return state.outcome();
+  const auto songs = robot->store_tune(0, kTune);
+  if (!songs) return cargobay::Unexpected{songs.error()};
+  std::uint32_t slot = 0;
   for (const std::chrono::nanoseconds duration : *songs) {
     if (auto sent = robot->play_song(slot); !sent) return sent;
     // While a song plays the robot ignores the next: two frames after its end is soon enough.
-    const std::chrono::nanoseconds next =
-        std::chrono::nanoseconds{state->time_ns} + duration + 30ms;
-    const auto playing = robot->query(CARGOBAY_PACKET_SONG_PLAYING, 1s);
-    if (!playing) return playing.error();
-    std::printf("song %d for %.2f s: %s\n", slot++, std::chrono::duration<double>{duration}.count(),
-                *playing != 0 ? "it plays" : "it does not play");
-    while (std::chrono::nanoseconds{state->time_ns} < next) {
-      state = robot->wait(1s);
-      if (!state) return state.error();
+    const std::chrono::nanoseconds next = state->robot_time + duration + 30ms;
+    const auto playing = robot->query(cargobay::Packet::song_playing, 1s);
+    if (!playing) return playing.outcome();
+    std::printf("song %u for %.2f s: %s\n", slot++, std::chrono::duration<double>{duration}.count(),
+                playing->value != 0 ? "it plays" : "it does not play");
+    while (state->robot_time < next) {
+      state = robot->wait(state->tick, 1s);
+      if (!state) return state.outcome();
     }
   }
-  return robot->stop();
+  return robot->end();
 }
 
 int main(int argc, char** argv) {
   const auto done = play(argc > 1 ? cargobay::Options{.port = argv[1]}
-                                  : cargobay::Options{.flags = CARGOBAY_NO_CONFIG});
+                                  : cargobay::Options{.flags = cargobay::Flag::no_config});
   if (!done) std::fprintf(stderr, "%s\n", done.error().message);
   return done ? 0 : 1;
 }

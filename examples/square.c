@@ -7,9 +7,9 @@ static double within(double most, double value) { return fmax(-most, fmin(most, 
 
 /* Drives until the robot has gone this far in total and has this heading. */
 static int go_to(struct cargobay_robot* robot, double distance_mm, double heading_rad) {
-  struct cargobay_state state = {.size = sizeof state};
+  struct cargobay_state state = {.size = sizeof state, .tick = -1};
   for (;;) {
-    if (cargobay_wait(robot, 1000000000, &state) != 0) return -1;
+    if (cargobay_wait(robot, state.tick, 1000000000, &state) != 0) return -1;
     const double ahead_mm = distance_mm - state.distance_mm;
     const double turn_rad = heading_rad - state.heading_rad;
     if (fabs(ahead_mm) < 5.0 && fabs(turn_rad) < 0.03) return 0;
@@ -19,7 +19,7 @@ static int go_to(struct cargobay_robot* robot, double distance_mm, double headin
 }
 
 static int drive_square(struct cargobay_robot* robot) {
-  struct cargobay_state state = {.size = sizeof state};
+  struct cargobay_state state = {.size = sizeof state, .tick = -1};
   const double corner_rad = acos(0.0);
   if (cargobay_start(robot) != 0) return -1;
   for (int side = 0; side < 4; ++side) {
@@ -28,12 +28,12 @@ static int drive_square(struct cargobay_robot* robot) {
   }
   if (cargobay_get_state(robot, &state) != 0) return -1;
   printf("back at %.0f, %.0f mm after %.0f mm\n", state.x_mm, state.y_mm, state.distance_mm);
-  return cargobay_stop(robot);
+  return cargobay_end(robot);
 }
 
 int main(int argc, char** argv) {
   struct cargobay_options options = {.size = sizeof options, .port = argc > 1 ? argv[1] : NULL};
-  struct cargobay_sim_options fast = {.size = sizeof fast, .time = CARGOBAY_SIM_VIRTUAL};
+  struct cargobay_sim_options fast = {.size = sizeof fast, .time = CARGOBAY_SIM_TIME_VIRTUAL};
   struct cargobay_robot* robot = NULL;
   int error = argc > 1 ? 0 : cargobay_sim_open(&fast, &options.sim);
   if (error == 0) error = cargobay_open(&options, &robot);

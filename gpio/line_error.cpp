@@ -29,7 +29,9 @@ std::string explain(const LineError& error) {
       "line " + address.line + (address.chip.empty() ? "" : " of chip " + address.chip);
   switch (error.kind) {
     case LineError::Kind::no_chips:
-      return "cannot use " + line + ": this machine has no GPIO chip (/dev/gpiochip*)";
+      return "cannot use " + line +
+             ": this machine has no GPIO chip (/dev/gpiochip*); "
+             "run it where the line is, or leave the pin out";
     case LineError::Kind::no_such_chip:
       return "no GPIO chip has the label or name " + address.chip +
              "; available: " + listed(error.candidates);

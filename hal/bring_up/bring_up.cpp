@@ -376,8 +376,12 @@ Failure BringUp::failure() {
                      .pulses_played = report_.brc.count > 0,
                      .toggled = toggles_ > 0,
                      .pin_error = pin_error_};
+  const bool heard = report_.found_baud != 0;
+  if (!heard) probe_.set_port(wanted_);  // the rate that was tried last may be slow
   if (trouble_ == BringUpTrouble::keeps_its_rate) probe_.set_port(report_.found_baud);
-  const Parting left = farewell(stream_);  // one failed call does not mean that the port is gone
+  // One that never answered has been told nothing that moves it: it is as it was found.
+  const bool as_found = !heard && trouble_ == BringUpTrouble::cancelled;
+  const Parting left = as_found ? Parting::standing : farewell(stream_);
   if (request_.left != nullptr) *request_.left = left;
   probe_.set_port(wanted_);
   return explain(why);

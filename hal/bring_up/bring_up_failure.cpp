@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hal/trouble.hpp"
 #include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
 #include "oi/value_names.hpp"
@@ -92,14 +93,26 @@ std::string text(const BringUpFailure& why) {
   return "";
 }
 
+Trouble code_of(BringUpTrouble trouble) {
+  switch (trouble) {
+    case BringUpTrouble::pin_failed: return Trouble::pin;
+    case BringUpTrouble::hung_up: return Trouble::hung_up;
+    case BringUpTrouble::cancelled: return Trouble::cancelled;
+    case BringUpTrouble::wrong_mode: return Trouble::wrong_mode;
+    case BringUpTrouble::keeps_its_rate:
+    case BringUpTrouble::stream_ended: return Trouble::unruly;
+    case BringUpTrouble::silent:
+    case BringUpTrouble::switched_off:
+    case BringUpTrouble::stays_off: return Trouble::silent;
+  }
+  return Trouble::silent;
+}
+
 }  // namespace
 
 Failure explain(const BringUpFailure& why) {
   const std::string step = why.step.empty() ? "" : " at step " + why.step;
-  const std::error_code code = why.trouble == BringUpTrouble::cancelled
-                                   ? std::make_error_code(std::errc::operation_canceled)
-                                   : why.pin_error;
-  return {"bring-up failed" + step + ": " + text(why), code};
+  return {"bring-up failed" + step + ": " + text(why), code_of(why.trouble)};
 }
 
 Failure too_long(const oi::StreamList& packets, std::uint32_t baud, const oi::Dialect& dialect) {

@@ -3,14 +3,36 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
 
 namespace cargobay::c {
 namespace {
 
-// In fixed memory: reporting a lack of memory must not need any.
-constexpr std::size_t kMostMessage = 1024;
-// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
-thread_local std::array<char, kMostMessage> last_message{};
+// What is said by functions that must not allocate fits in here, in memory that each thread has
+// from its beginning: with the initial-exec model the first use needs no call into the loader, even
+// in a library that dlopen() loaded. Such memory is scarce, so it is small.
+constexpr std::size_t kShort = 320;
+constexpr std::size_t kLong = 1024;
+
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
+__attribute__((tls_model("initial-exec"))) thread_local std::array<char, kShort> short_message{};
+__attribute__((tls_model("initial-exec"))) thread_local const char* last_message = "";
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
+
+using LongMessage = std::array<char, kLong>;
+
+LongMessage& long_message() {
+  thread_local std::unique_ptr<LongMessage> message = std::make_unique<LongMessage>();
+  return *message;
+}
+
+template <std::size_t kSize>
+void keep_message(std::array<char, kSize>& buffer, std::string_view message) noexcept {
+  const std::size_t length = std::min(message.size(), buffer.size() - 1);
+  std::memmove(buffer.data(), std::to_address(message.begin()), length);
+  buffer[length] = '\0';
+  last_message = buffer.data();
+}
 
 // What each kind is called, and how it is opened; indexed by its number.
 struct KindWords {
@@ -29,9 +51,15 @@ const KindWords& words(HandleKind kind) { return kKinds[static_cast<std::size_t>
 }  // namespace
 
 int fail(int code, std::string_view message) noexcept {
-  const std::size_t length = std::min(message.size(), kMostMessage - 1);
-  std::memcpy(last_message.data(), message.data(), length);
-  last_message[length] = '\0';
+  if (message.size() < kShort) {
+    keep_message(short_message, message);
+    return code;
+  }
+  try {
+    keep_message(long_message(), message);
+  } catch (const std::bad_alloc&) {
+    keep_message(short_message, message);
+  }
   return code;
 }
 
@@ -64,33 +92,6 @@ int bad_handle(const void* handle, HandleKind wanted) noexcept {
   return fail(CARGOBAY_E_HANDLE, {said.data(), length});
 }
 
+const char* last_failure() noexcept { return last_message; }
+
 }  // namespace cargobay::c
-
-extern "C" {
-
-const char* cargobay_error_message(void) { return cargobay::c::last_message.data(); }
-
-const char* cargobay_error_name(int error) {
-  switch (error) {
-    case CARGOBAY_OK: return "CARGOBAY_OK";
-    case CARGOBAY_E_ARGUMENT: return "CARGOBAY_E_ARGUMENT";
-    case CARGOBAY_E_HANDLE: return "CARGOBAY_E_HANDLE";
-    case CARGOBAY_E_STATE: return "CARGOBAY_E_STATE";
-    case CARGOBAY_E_CONFIG: return "CARGOBAY_E_CONFIG";
-    case CARGOBAY_E_SYSTEM: return "CARGOBAY_E_SYSTEM";
-    case CARGOBAY_E_PORT: return "CARGOBAY_E_PORT";
-    case CARGOBAY_E_RIGHTS: return "CARGOBAY_E_RIGHTS";
-    case CARGOBAY_E_ROBOT: return "CARGOBAY_E_ROBOT";
-    case CARGOBAY_E_MODE: return "CARGOBAY_E_MODE";
-    case CARGOBAY_E_CONTROL: return "CARGOBAY_E_CONTROL";
-    case CARGOBAY_E_STALLED: return "CARGOBAY_E_STALLED";
-    case CARGOBAY_E_FULL: return "CARGOBAY_E_FULL";
-    case CARGOBAY_E_TIMEOUT: return "CARGOBAY_E_TIMEOUT";
-    case CARGOBAY_E_GUARD: return "CARGOBAY_E_GUARD";
-    default: return "CARGOBAY_E_?";
-  }
-}
-
-const char* cargobay_version(void) { return CARGOBAY_VERSION; }
-
-}  // extern "C"

@@ -12,11 +12,15 @@
 
 namespace cargobay::c {
 
-// Keeps the message for cargobay_error_message() on this thread; returns the code.
+// Keeps the message for cargobay_error_message() on this thread; returns the code. One of up to 319
+// bytes allocates nothing.
 int fail(int code, std::string_view message) noexcept;
 inline int fail(int code, const hal::Failure& failure) noexcept {
   return fail(code, std::string_view{failure.message});
 }
+
+// What was kept last on this thread; "" before the first.
+const char* last_failure() noexcept;
 
 // For mistakes that only the caller can make.
 inline int bad_argument(std::string_view what) noexcept { return fail(CARGOBAY_E_ARGUMENT, what); }
@@ -30,7 +34,7 @@ int guarded(const Function& function) noexcept {
   try {
     return function();
   } catch (const std::bad_alloc&) {
-    return fail(CARGOBAY_E_SYSTEM, "out of memory; free some, or use a machine with more");
+    return fail(CARGOBAY_E_MEMORY, "out of memory; free some, or use a machine with more");
   } catch (const std::exception& error) {
     return fail(CARGOBAY_E_SYSTEM, std::string{"the system refused: "} + error.what());
   }

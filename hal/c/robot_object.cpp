@@ -1,23 +1,19 @@
 #include "hal/c/robot_object.hpp"
 
-#include <cxxabi.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <exception>
+#include <cmath>
 #include <iterator>
+#include <span>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "hal/c/errors.hpp"
 #include "oi/limits.hpp"
-#include "rt/unchecked.hpp"
 
 namespace cargobay::c {
 namespace {
-
-// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): each thread's own
-thread_local bool control_runs = false;
 
 // From the wheels as the OI has them to those of the C API.
 cargobay_wheels c_wheels(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
@@ -33,76 +29,107 @@ std::int32_t c_remainder(rt::RemainderBelief belief) CARGOBAY_NONBLOCKING {
   return CARGOBAY_REMAINDER_UNKNOWN;
 }
 
-int code_of(hal::CycleEnd end) noexcept {
-  switch (end) {
-    case hal::CycleEnd::asked: return CARGOBAY_OK;
-    case hal::CycleEnd::link_lost: return CARGOBAY_E_ROBOT;
-    case hal::CycleEnd::mode_lost: return CARGOBAY_E_MODE;
-    case hal::CycleEnd::hung_up: return CARGOBAY_E_PORT;
-    case hal::CycleEnd::guarded: return CARGOBAY_E_STALLED;
-    case hal::CycleEnd::control_overrun: return CARGOBAY_E_CONTROL;
-    case hal::CycleEnd::guard_lost: return CARGOBAY_E_GUARD;
-  }
-  return CARGOBAY_E_SYSTEM;
+std::uint32_t c_bumps(hal::Bumps bumps) CARGOBAY_NONBLOCKING {
+  return (bumps.has(oi::Bump::bump_left) ? std::uint32_t{CARGOBAY_BUMP_LEFT} : 0U) |
+         (bumps.has(oi::Bump::bump_right) ? std::uint32_t{CARGOBAY_BUMP_RIGHT} : 0U);
 }
 
-// The control function has ended its thread: by pthread_exit(), by a cancellation, or because its
-// interpreter ends. The loop cannot go on without a thread, nor end on one that is unwinding: the
-// robot is stopped just as when the function does not return.
-[[noreturn]] void never_come_back() noexcept {
-  for (;;) pause();
+int not_opened(const hal::Failure& failure, const Opening& opening) {
+  const int code = code_of(failure, opening);
+  if (code != CARGOBAY_E_CANCELLED) return fail(code, failure);
+  return fail(code, failure.message +
+                        ": `progress` gave up, or the robot is being closed; open it "
+                        "again when it may take its time");
 }
 
 }  // namespace
 
 RobotObject::~RobotObject() {
-  if (robot) (void)robot->stop();
-  recording.reset();  // it reads what the robot's recorder holds
-  robot.reset();      // before what it drives
-  if (sim) sim->taken.store(false);
+  session_.store(nullptr);
+  session_owner_.reset();  // before what it drives
+  if (opening.sim) opening.sim->taken.store(false);
 }
 
-int RobotObject::must_be_started() const noexcept {
-  if (life.load(std::memory_order_acquire) == Life::open)
-    return fail(CARGOBAY_E_STATE, "the loop was not started; call cargobay_start() first");
-  return CARGOBAY_OK;
-}
-
-int RobotObject::must_run() const noexcept {
-  if (const int early = must_be_started(); early != CARGOBAY_OK) return early;
-  if (life.load(std::memory_order_acquire) == Life::stopped || robot->ended()) {
-    return fail(CARGOBAY_E_STATE, "the loop has ended; cargobay_stop() says why; open a new robot");
+int RobotObject::set_control(cargobay_control function, void* context) {
+  std::unique_ptr<const ControlSlot> slot;
+  if (function != nullptr)
+    slot =
+        std::make_unique<const ControlSlot>(ControlSlot{.function = function, .context = context});
+  control.store(slot.get(), std::memory_order_seq_cst);
+  std::unique_ptr<const ControlSlot> former = std::exchange(control_owner, std::move(slot));
+  const std::uint32_t calls = control_calls.load(std::memory_order_seq_cst);
+  if (!former || calls % 2 == 0) return CARGOBAY_OK;
+  // The former one is being called: the loop waits for it, and so does this.
+  const rt::TimePoint until = rt::Clock::now() + opening.wanted.guard.deadline;
+  while (control_calls.load(std::memory_order_acquire) == calls) {
+    if (rt::Clock::now() >= until) {
+      former_controls.push_back(std::move(former));
+      return fail(CARGOBAY_E_STALLED,
+                  "the former control function has not returned within `guard_deadline_ns`; it is "
+                  "not called again, but keep what it uses until the process ends");
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds{100});
   }
   return CARGOBAY_OK;
 }
 
-int RobotObject::end_of_loop(const hal::Robot::Farewell& ended) const {
-  if (control_threw.load()) {
-    return fail(CARGOBAY_E_CONTROL,
-                "an exception left the control function, and the robot was stopped; catch it "
-                "there");
-  }
-  const int code = code_of(ended.end);
-  return code == CARGOBAY_OK ? code : fail(code, hal::explain(ended));
+void RobotObject::close_session() {
+  session_.store(nullptr, std::memory_order_seq_cst);
+  // In one order with SessionUse: whoever is not seen here sees no session.
+  while (session_uses_.load(std::memory_order_seq_cst) != 0)
+    std::this_thread::sleep_for(std::chrono::microseconds{100});
+  session_owner_.reset();
 }
 
-int RobotObject::request(const hal::Request& wanted) {
-  const std::lock_guard lock{requests};
-  if (robot->cycle().request(wanted)) return CARGOBAY_OK;
-  return fail(CARGOBAY_E_FULL,
-              "32 requests are already waiting, and one goes out per frame; try again later");
+int RobotObject::open_session() {
+  close_session();
+  std::unique_ptr<hal::ByteStream> stream;
+  if (const int failed = opening.open_stream(stream); failed != CARGOBAY_OK) return failed;
+  auto session = std::make_unique<Session>(*this);
+  const auto newest = history.newest();
+  if (newest) {
+    session->first_tick = newest->value.state.tick + 1;
+    session->first_distance_mm = newest->value.state.distance_mm;
+  }
+  ProgressTeller teller{opening};
+  hal::RobotOptions wanted = opening.wanted;
+  wanted.progress = [&teller](const hal::BringUpEvent& event) { teller.tell(event); };
+  wanted.cancelled = [&teller, this] { return teller.given_up() || closing.load(); };
+  wanted.observer = session->observer();
+  wanted.memory = {std::as_bytes(std::span{this, 1}), std::as_bytes(std::span{session.get(), 1})};
+  auto opened = hal::Robot::open(std::move(stream), wanted);
+  if (!opened) return not_opened(opened.failure(), opening);
+  session->robot = std::move(*opened);
+  session_owner_ = std::move(session);
+  session_.store(session_owner_.get(), std::memory_order_seq_cst);
+  if (!newest) return CARGOBAY_OK;
+  hal::Request pose;
+  pose.kind = hal::Request::Kind::pose;
+  pose.pose = newest->value.state.pose;
+  return session_owner_->request(pose);
+}
+
+void RobotObject::see(const SeenState& seen) CARGOBAY_NONBLOCKING {
+  history.put(seen);
+  descriptor.signal();
+}
+
+void RobotObject::hear(const hal::Event& event) CARGOBAY_NONBLOCKING {
+  events.put(event);
+  descriptor.signal();
 }
 
 RobotTable& robots() {
-  static RobotTable& table = *new RobotTable;  // lives until the very end
+  // Made by the compiler: the first call may come from where nothing may be allocated.
+  static constinit RobotTable table;
   return table;
 }
 
 void keep(std::unique_ptr<RobotObject> object) {
   // In virtual time the thread may be inside the virtual Create.
-  if (object->sim && !object->virtual_time) {
-    object->sim->taken.store(false);
-    object->sim = {};
+  if (object->opening.sim && !object->in_virtual_time()) {
+    object->opening.sim->taken.store(false);
+    object->opening.sim = {};
   }
   // Stays reachable, so that a leak checker does not report it.
   static std::mutex keeping;
@@ -111,55 +138,43 @@ void keep(std::unique_ptr<RobotObject> object) {
   kept.push_back(object.release());
 }
 
-bool in_control() noexcept { return control_runs; }
-
-int not_from_control(const char* function) noexcept {
-  return guarded([&] {
-    return fail(CARGOBAY_E_STATE,
-                std::string{function} +
-                    "() waits for the loop, and the loop for this control function; call "
-                    "cargobay_request_stop() here, and this from another thread");
-  });
+cargobay_wheels wheels_for(const RobotObject& robot, const cargobay_twist& twist)
+    CARGOBAY_NONBLOCKING {
+  constexpr double kMost = oi::kMaxWheelSpeed;
+  const double half_base_mm = robot.wheel_base_mm() / 2.0;
+  // First to where nothing overflows, however large the numbers are.
+  const double scale = std::max({1.0, std::abs(twist.velocity_mm_s) / kMost,
+                                 std::abs(twist.turn_rate_rad_s) / (kMost / half_base_mm)});
+  const double velocity_mm_s = twist.velocity_mm_s / scale;
+  const double apart_mm_s = twist.turn_rate_rad_s / scale * half_base_mm;
+  cargobay_wheels wheels{velocity_mm_s - apart_mm_s, velocity_mm_s + apart_mm_s};
+  const double fastest_mm_s = std::max(std::abs(wheels.left_mm_s), std::abs(wheels.right_mm_s));
+  // The faster wheel is to do all it can, if it was to do more.
+  const double wanted_mm_s = fastest_mm_s * scale;
+  if (!(wanted_mm_s > kMost)) return wheels;
+  const auto scaled = [&](double speed_mm_s) {
+    return std::clamp(speed_mm_s / fastest_mm_s * kMost, -kMost, kMost);
+  };
+  return {scaled(wheels.left_mm_s), scaled(wheels.right_mm_s)};
 }
 
-rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double /*seconds*/)
-    CARGOBAY_NONBLOCKING {
-  auto& robot = *static_cast<RobotObject*>(object);
-  // The program's own function; the cycle and the guard watch how long it takes.
-  return rt::unchecked([&]() noexcept -> rt::WheelSpeeds {
-    const cargobay_state seen = c_state(robot, state);
-    cargobay_wheels wheels{};
-    control_runs = true;
-    try {
-      robot.control(robot.context, &seen, &wheels);
-    } catch (const abi::__forced_unwind&) {
-      if (robot.virtual_time) std::terminate();  // the program's own thread cannot be kept
-      never_come_back();
-    } catch (...) {
-      robot.control_threw.store(true);
-      robot.robot->cycle().request_stop();
-      wheels = {};
-    }
-    control_runs = false;
-    return {wheels.left_mm_s, wheels.right_mm_s};
-  });
-}
-
-cargobay_state c_state(const RobotObject& robot, const hal::CycleState& state)
-    CARGOBAY_NONBLOCKING {
+cargobay_state c_state(const RobotObject& robot, const SeenState& known) CARGOBAY_NONBLOCKING {
+  constexpr std::int64_t kTickNs = rt::Duration{oi::kTick}.count();
+  const hal::CycleState& state = known.state;
   cargobay_state seen{};
   seen.size = sizeof seen;
   seen.mode = static_cast<std::int32_t>(state.mode);
   seen.tick = state.tick;
-  seen.time_ns = state.tick * rt::Duration{oi::kTick}.count();
+  seen.robot_time_ns = state.tick * kTickNs;
+  seen.elapsed_ns = known.elapsed_ticks * kTickNs;
   seen.arrival_ns = rt::nanoseconds(state.arrival);
   seen.target = c_wheels(state.target);
-  seen.set = c_wheels(state.set);
+  seen.limited = c_wheels(state.set);
   seen.estimate = c_wheels(state.estimate);
   seen.command = c_wheels(state.command);
   const rt::WheelSpeeds& speeds = state.estimate;
   seen.velocity_mm_s = (speeds.left_mm_s + speeds.right_mm_s) / 2.0;
-  seen.turn_rate_rad_s = (speeds.right_mm_s - speeds.left_mm_s) / robot.wheel_base_mm;
+  seen.turn_rate_rad_s = (speeds.right_mm_s - speeds.left_mm_s) / robot.wheel_base_mm();
   seen.x_mm = state.pose.x_mm;
   seen.y_mm = state.pose.y_mm;
   seen.heading_rad = state.pose.heading_rad;
@@ -170,7 +185,8 @@ cargobay_state c_state(const RobotObject& robot, const hal::CycleState& state)
   seen.remainder = c_remainder(state.remainder);
   seen.setpoint_lapsed = state.setpoint_lapsed ? 1 : 0;
   seen.hazards = state.hazards.raw();
-  seen.bumps = state.bumps.raw();
+  seen.bumps = c_bumps(state.bumps);
+  seen.buttons = known.buttons;
   seen.battery_mv = state.battery_mv;
   return seen;
 }

@@ -1,24 +1,41 @@
-// The object of a robot's handle.
+// The object of a robot's handle: what lasts from open to close.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
+#include <vector>
 
 #include "hal/c/cargobay.h"
 #include "hal/c/errors.hpp"
+#include "hal/c/event_descriptor.hpp"
 #include "hal/c/handles.hpp"
+#include "hal/c/opening.hpp"
+#include "hal/c/session.hpp"
 #include "hal/c/sim_object.hpp"
-#include "hal/file/output_file.hpp"
-#include "hal/recording/recording_writer.hpp"
-#include "hal/robot/robot.hpp"
-#include "hal/sim/remote/plant.hpp"
+#include "hal/sensing/event_log.hpp"
+#include "rt/newest_ring.hpp"
 
 struct cargobay_robot;  // the handle
 
 namespace cargobay::c {
+
+// A state as the library keeps it: with the robot's tick, and what the cycle does not say.
+struct SeenState {
+  hal::CycleState state{};
+  std::int64_t elapsed_ticks = 0;  // since the state before; 0: it is the first of a start
+  std::uint32_t buttons = 0;       // enum cargobay_button
+};
+
+inline constexpr std::size_t kHistory = 256;
+
+// A control function with what it is called with.
+struct ControlSlot {
+  cargobay_control function = nullptr;
+  void* context = nullptr;
+};
 
 struct RobotObject {
   RobotObject() = default;
@@ -26,62 +43,103 @@ struct RobotObject {
   RobotObject(const RobotObject&) = delete;
   RobotObject& operator=(const RobotObject&) = delete;
 
-  enum class Life : std::uint8_t { open, running, stopped };
+  bool in_virtual_time() const { return opening.virtual_time; }
+  double wheel_base_mm() const { return opening.wanted.cycle.loop.estimator.wheel_base_mm; }
 
-  // Each returns CARGOBAY_OK, or the error of a function that is called too early or too late.
-  int must_run() const noexcept;
-  int must_be_started() const noexcept;
+  // By the owner: the program's function from now on, or none. CARGOBAY_OK, or CARGOBAY_E_STALLED
+  // if the former one does not return; it is then kept.
+  int set_control(cargobay_control function, void* context);
 
-  // Why the loop ended, as an error with its message; CARGOBAY_OK if it was asked to end.
-  int end_of_loop(const hal::Robot::Farewell& ended) const;
+  // By the owner: brings the robot up, for the first time or again. After a failure there is no
+  // session.
+  int open_session();
+  void close_session();
 
-  // Puts a request into the cycle's ring: CARGOBAY_OK or CARGOBAY_E_FULL. From any thread; locks.
-  int request(const hal::Request& wanted);
+  // From the control thread.
+  void see(const SeenState& seen) CARGOBAY_NONBLOCKING;
+  void hear(const hal::Event& event) CARGOBAY_NONBLOCKING;
 
-  SimUse sim{};               // the program's virtual Create that is the robot, if any
-  hal::Plant plant{};         // otherwise
-  hal::Robot::Owned robot{};  // destroyed before what it drives
-  std::unique_ptr<hal::RecordingWriter> recording{};
-  std::optional<hal::OutputFile> record_file{};  // until the loop starts
-  double wheel_base_mm = 0.0;
-  bool virtual_time = false;
+  Opening opening{};
+  hal::EventLog events{};
+  rt::NewestRing<SeenState, kHistory> history{};
+  EventDescriptor descriptor{};
 
-  cargobay_control control = nullptr;
-  void* context = nullptr;
-  std::atomic<bool> control_threw{false};
+  std::atomic<const ControlSlot*> control{nullptr};
+  std::atomic<std::uint32_t> control_calls{0};  // odd while the program's function runs
+  std::unique_ptr<const ControlSlot> control_owner{};
+  // Those that a call may still come back to.
+  std::vector<std::unique_ptr<const ControlSlot>> former_controls{};
 
-  std::atomic<Life> life{Life::open};
-  std::optional<rt::RealtimeGrant> grant{};  // once started
-  std::optional<hal::Robot::Farewell> farewell{};
-  std::string unrecorded_why{};  // empty if nothing went wrong
+  // How often each packet is subscribed.
+  static constexpr std::size_t kPackets = hal::SensorReadings::kSlots;
+  using Subscriptions = std::array<std::uint32_t, kPackets>;
+  Subscriptions subscriptions{};
+  std::mutex subscribing;
 
-  std::timed_mutex owner;  // for start, stop, set_control; in virtual time for everything
-  std::mutex requests;     // the one producer of the cycle's ring
-  std::mutex events;       // the one consumer of its events
+  std::atomic<bool> closing{false};
+  std::timed_mutex owner;  // for start, end, set_control; in virtual time for everything
+
+ private:
+  friend class SessionUse;
+  std::unique_ptr<Session> session_owner_{};
+  std::atomic<Session*> session_{nullptr};
+  std::atomic<std::uint32_t> session_uses_{0};
+};
+
+// The session of a robot, which is not freed while this lives; none while the robot is brought up
+// again. Lock-free.
+class SessionUse {
+ public:
+  explicit SessionUse(RobotObject& object) CARGOBAY_NONBLOCKING : object_{object},
+                                                                  session_{enter(object)} {}
+  ~SessionUse() { object_.session_uses_.fetch_sub(1, std::memory_order_release); }
+  SessionUse(const SessionUse&) = delete;
+  SessionUse& operator=(const SessionUse&) = delete;
+
+  explicit operator bool() const CARGOBAY_NONBLOCKING { return session_ != nullptr; }
+  Session* operator->() const CARGOBAY_NONBLOCKING { return session_; }
+  Session& operator*() const CARGOBAY_NONBLOCKING { return *session_; }
+  hal::ControlCycle& cycle() const { return session_->robot->cycle(); }
+
+ private:
+  // In one order with close_session(): either it sees this use, or this sees no session.
+  static Session* enter(RobotObject& object) CARGOBAY_NONBLOCKING {
+    object.session_uses_.fetch_add(1, std::memory_order_seq_cst);
+    return object.session_.load(std::memory_order_seq_cst);
+  }
+
+  RobotObject& object_;
+  Session* session_;
 };
 
 using RobotTable = HandleTable<RobotObject, HandleKind::robot>;
 RobotTable& robots();
+using RobotUse = RobotTable::Use;
 
 // Keeps an object that a thread may still come back to; it is never freed. Its virtual Create may
 // be closed, in real time.
 void keep(std::unique_ptr<RobotObject> object);
-using RobotUse = RobotTable::Use;
 
 // The error for a handle that is not an open robot.
 inline int bad_robot(const cargobay_robot* robot) noexcept {
   return bad_handle(robot, HandleKind::robot);
 }
+// The error while cargobay_start() brings the robot up again.
+inline int no_session() noexcept {
+  return fail(CARGOBAY_E_STATE,
+              "cargobay_start() is bringing the robot up again, or has failed to; wait for it, or "
+              "start again");
+}
 
-// Whether this thread is in a control function, of any robot.
-bool in_control() noexcept;
-int not_from_control(const char* function) noexcept;
-
-// The cycle's control function, which calls the program's; its context is the RobotObject.
-rt::WheelSpeeds call_control(void* object, const hal::CycleState& state, double seconds)
-    CARGOBAY_NONBLOCKING;
+// The extra lists that have the packets that are subscribed.
+hal::ExtraLists lists_with(const RobotObject::Subscriptions& subscriptions);
 
 // The state as C programs see it.
-cargobay_state c_state(const RobotObject& robot, const hal::CycleState& state) CARGOBAY_NONBLOCKING;
+cargobay_state c_state(const RobotObject& robot, const SeenState& known) CARGOBAY_NONBLOCKING;
+
+// Wheel speeds for a velocity and a turn rate, scaled down together to what a wheel can do; not
+// numbers if these are not.
+cargobay_wheels wheels_for(const RobotObject& robot, const cargobay_twist& twist)
+    CARGOBAY_NONBLOCKING;
 
 }  // namespace cargobay::c

@@ -45,7 +45,7 @@ struct Pattern {
   const hal::Calibration* calibration = nullptr;
   hal::ControlCycle* cycle = nullptr;
 
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+  static hal::ControlAnswer control(void* context, const hal::CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     const auto& self = *static_cast<Pattern*>(context);
     if (seconds >= hal::Calibration::duration_s()) self.cycle->request_stop();

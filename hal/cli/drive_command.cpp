@@ -49,7 +49,7 @@ struct Driver {
   hal::ControlCycle* cycle = nullptr;
   double before_s = 0.0;  // robot time of the links before this one
 
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+  static hal::ControlAnswer control(void* context, const hal::CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Driver*>(context);
     const double driven_s = self.before_s + seconds;

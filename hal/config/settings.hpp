@@ -13,10 +13,12 @@ struct Range {
   constexpr bool contains(double value) const {  // false for NaN
     return value >= least && value <= most;
   }
+  // In a unit of which there are `factor` to each of this one.
+  constexpr Range times(double factor) const { return {least * factor, most * factor}; }
   // "50 to 1000".
   std::string words() const {
     std::ostringstream text;
-    text.precision(9);
+    text.precision(12);
     text << least << " to " << most;
     return text.str();
   }

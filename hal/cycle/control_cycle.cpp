@@ -29,6 +29,7 @@ std::optional<rt::TimePoint> ControlCycle::last_pass() const CARGOBAY_NONBLOCKIN
 bool ControlCycle::set_speeds(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
   return within_range(speeds) && pass_->setpoint_.put(speeds);
 }
+void ControlCycle::stand_still() CARGOBAY_NONBLOCKING { pass_->setpoint_.revoke(); }
 void ControlCycle::expect_silence(rt::Duration duration) CARGOBAY_NONBLOCKING {
   pass_->silence_.announce(duration);
 }
@@ -52,6 +53,9 @@ bool ControlCycle::next_event(Event& event) CARGOBAY_NONBLOCKING {
 }
 std::uint64_t ControlCycle::events_dropped() const CARGOBAY_NONBLOCKING {
   return pass_->outlets_.events.dropped();
+}
+std::int32_t ControlCycle::reading(oi::PacketId packet) const CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.board.value(packet);
 }
 SensorReadings ControlCycle::sensors() const CARGOBAY_NONBLOCKING {
   return pass_->outlets_.board.readings();

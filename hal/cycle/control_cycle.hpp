@@ -13,6 +13,9 @@
 #include "rt/clock.hpp"
 #include "rt/nonblocking.hpp"
 
+namespace cargobay::oi {
+enum class PacketId : std::uint8_t;
+}  // namespace cargobay::oi
 namespace cargobay::rt {
 class Histogram;
 struct WheelSpeeds;
@@ -79,6 +82,9 @@ class ControlCycle {
   // new one is set.
   [[nodiscard]] bool set_speeds(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
 
+  // From any thread: the setpoint no longer counts, and the wheels stop until the next one.
+  void stand_still() CARGOBAY_NONBLOCKING;
+
   // From any thread: for `duration` from the next pass on, silence does not mean a lost link, for
   // example while the robot plays a script that waits. The wheels get their stop all the same, in
   // case the robot listens.
@@ -104,7 +110,8 @@ class ControlCycle {
   // Events dropped for want of room, because nothing took them. From any thread.
   std::uint64_t events_dropped() const CARGOBAY_NONBLOCKING;
 
-  // The last value of each packet. From any thread.
+  // The last value of a packet, or of each. From any thread.
+  std::int32_t reading(oi::PacketId packet) const CARGOBAY_NONBLOCKING;
   SensorReadings sensors() const CARGOBAY_NONBLOCKING;
   // From any thread.
   CycleCounters counters() const CARGOBAY_NONBLOCKING;

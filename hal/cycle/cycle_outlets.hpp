@@ -24,9 +24,7 @@ struct CycleOutlets {
     state.put(now);
     history.push(now);
   }
-  void report(Event event, std::int64_t tick, rt::TimePoint time) CARGOBAY_NONBLOCKING {
-    event.tick = tick;
-    event.time = time;
+  void report(const Event& event) CARGOBAY_NONBLOCKING {
     (void)events.push(event);  // the ring counts what it drops
   }
 

@@ -54,6 +54,7 @@ CycleEnd CyclePass::run() CARGOBAY_NONBLOCKING {
 }
 
 void CyclePass::begin() CARGOBAY_NONBLOCKING {
+  steered_ = control_.is_set();
   const rt::TimePoint now = stream_.now();
   ledger_.begin(now);
   receiver_.begin(now);
@@ -124,6 +125,14 @@ void CyclePass::see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
     rearm_requested_.store(false, std::memory_order_relaxed);
   }
   report({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
+}
+
+void CyclePass::report(const Event& event, std::int64_t tick) CARGOBAY_NONBLOCKING {
+  Event told = event;
+  told.tick = tick;
+  told.time = woken_;
+  outlets_.report(told);
+  if (observer_.event != nullptr) observer_.event(observer_.context, told);
 }
 
 void CyclePass::see_bumps(const oi::SensorValues& frame, std::int64_t tick) CARGOBAY_NONBLOCKING {
@@ -230,7 +239,7 @@ CyclePass::Step CyclePass::answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKIN
   if (mode_watch_.state() == ModeWatch::State::driving) return control(state);
   const bool known = mode_watch_.state() == ModeWatch::State::lost;
   if (known && parameters_.on_mode_loss == OnModeLoss::end) return end(CycleEnd::mode_lost);
-  state.setpoint_lapsed = !control_.is_set();
+  state.setpoint_lapsed = !steered_;
   return hold();
 }
 
@@ -238,13 +247,20 @@ CyclePass::Step CyclePass::answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKIN
 CyclePass::Step CyclePass::control(CycleState& state) CARGOBAY_NONBLOCKING {
   const rt::TimePoint read = stream_.now();
   if (read - state.arrival > CommandSender::kOwnWork) ++counters_.overruns.read;
-  state.setpoint_lapsed = !control_.is_set() && setpoint_lapsed(state.arrival);
-  state.target = wanted(state);
+  ControlAnswer wanted{ControlAnswer::Kind::setpoint};
+  if (control_.is_set()) wanted = control_.ask(state);
+  if (control_.refusal() != UserControl::Refusal::none) see_refusal();
+  steered_ = wanted.kind() != ControlAnswer::Kind::setpoint;
+  if (!steered_) wanted = by_setpoint(state.arrival);
   const rt::TimePoint decided = stream_.now();
   if (control_.over_budget(decided - read)) ++counters_.overruns.user;
   if (control_.too_many_overruns()) return end(CycleEnd::control_overrun);
+  if (wanted.kind() == ControlAnswer::Kind::finish) return end(CycleEnd::asked);
+  if (wanted.kind() == ControlAnswer::Kind::fail) return end(CycleEnd::control_failed);
 
-  state.command = loop_.control(state.target);
+  state.setpoint_lapsed = wanted.kind() == ControlAnswer::Kind::stand;
+  state.target = wanted.speeds();
+  state.command = state.setpoint_lapsed ? loop_.brake() : loop_.control(state.target);
   state.set = loop_.set();
   const FrameList list = next_list();
   const rt::WheelSpeeds former = sender_.acting();
@@ -302,16 +318,14 @@ CommandSender::Moment CyclePass::moment(rt::TimePoint now) const CARGOBAY_NONBLO
           .set_stands = loop_.set() == rt::WheelSpeeds{}};
 }
 
-rt::WheelSpeeds CyclePass::wanted(const CycleState& state) CARGOBAY_NONBLOCKING {
-  if (control_.is_set()) return ask_control(state);
-  return state.setpoint_lapsed ? rt::WheelSpeeds{} : setpoint_.speeds();
+ControlAnswer CyclePass::by_setpoint(rt::TimePoint now) CARGOBAY_NONBLOCKING {
+  if (setpoint_lapsed(now)) return ControlAnswer::Kind::stand;
+  return setpoint_.speeds();
 }
 
-rt::WheelSpeeds CyclePass::ask_control(const CycleState& state) CARGOBAY_NONBLOCKING {
-  const UserControl::Answer answer = control_.ask(state);
-  if (answer.refused) ++counters_.refused;
-  if (answer.first) report(EventKind::control_refused);
-  return answer.speeds;
+void CyclePass::see_refusal() CARGOBAY_NONBLOCKING {
+  ++counters_.refused;
+  if (control_.refusal() == UserControl::Refusal::first) report(EventKind::control_refused);
 }
 
 bool CyclePass::setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING {

@@ -63,13 +63,12 @@ class CyclePass {
   Step send_owed_stop(rt::TimePoint now) CARGOBAY_NONBLOCKING;
   FrameList next_list() CARGOBAY_NONBLOCKING;
   bool setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING;
-  rt::WheelSpeeds wanted(const CycleState& state) CARGOBAY_NONBLOCKING;
-  rt::WheelSpeeds ask_control(const CycleState& state) CARGOBAY_NONBLOCKING;
+  ControlAnswer by_setpoint(rt::TimePoint now) CARGOBAY_NONBLOCKING;
+  void see_refusal() CARGOBAY_NONBLOCKING;
   CommandSender::Moment moment(rt::TimePoint now) const CARGOBAY_NONBLOCKING;
   void stop_wheels() CARGOBAY_NONBLOCKING;
-  void report(const Event& event, std::int64_t tick) CARGOBAY_NONBLOCKING {
-    outlets_.report(event, tick, woken_);
-  }
+  // Rare: kept out of what each frame runs through.
+  [[gnu::noinline]] void report(const Event& event, std::int64_t tick) CARGOBAY_NONBLOCKING;
   void report(EventKind what) CARGOBAY_NONBLOCKING {
     report({.what = what}, ledger_.clock().ticks());
   }
@@ -97,6 +96,7 @@ class CyclePass {
   ModeWatch mode_watch_;
   PowerWatch power_;
   Bumps bumps_{};
+  bool steered_ = false;  // by the control function, not by setpoints
   Hazards mode_loss_causes_{};
   rt::TimePoint woken_{};
   CycleEnd end_ = CycleEnd::asked;

@@ -2,7 +2,9 @@
 // and the functions that it calls.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "hal/cycle/request.hpp"
@@ -25,6 +27,7 @@ enum class CycleEnd : std::uint8_t {
   guarded,          // the cycle stood still for so long that its guard stopped the robot
   control_overrun,  // the control function was over its budget too many times in a row
   guard_lost,       // the guard is dead or suspended: nothing would stop the robot in our place
+  control_failed,   // the control function said so
 };
 
 // One tick of the loop, as others see it.
@@ -37,8 +40,8 @@ struct CycleState {
   rt::WheelSpeeds command{};  // as sent
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
   oi::Mode mode = oi::Mode::off;
-  bool setpoint_lapsed = false;
-  Hazards hazards{};  // in this frame, whether or not they stop the robot
+  bool setpoint_lapsed = false;  // nothing steers: it was not renewed, or dropped, or impossible
+  Hazards hazards{};             // in this frame, whether or not they stop the robot
   // What the robot reported of its counters, if this frame reads them.
   std::optional<rt::WheelEstimator::Reading> reading{};
   std::int32_t battery_mv = 0;  // 0 until the first frame that has it
@@ -75,12 +78,46 @@ struct CycleCounters {
   std::uint64_t refused = 0;   // answers of the control function that no robot can follow
 };
 
+// What a control function wants. As large as the speeds, and as quick to return: what is not speeds
+// has no number for the left wheel, and its kind for the right.
+class ControlAnswer {
+ public:
+  enum class Kind : std::uint8_t {
+    speeds,    // these
+    setpoint,  // what the latest setpoint says, as if there were no control function
+    stand,     // to stand still, as if a setpoint had lapsed
+    finish,    // the cycle to end, as asked
+    fail,      // the cycle to end with CycleEnd::control_failed
+  };
+
+  // Implicit, for `return speeds;` and `return ControlAnswer::Kind::finish;`.
+  // NOLINTBEGIN(google-explicit-constructor): implicit on purpose, as said above
+  ControlAnswer(const rt::WheelSpeeds& speeds) CARGOBAY_NONBLOCKING : speeds_{speeds} {
+    if (std::isnan(speeds.left_mm_s)) speeds_.right_mm_s = 0.0;  // of kind `speeds`
+  }
+  ControlAnswer(Kind kind) CARGOBAY_NONBLOCKING
+      : speeds_{std::numeric_limits<double>::quiet_NaN(), static_cast<double>(kind)} {}
+  // NOLINTEND(google-explicit-constructor)
+
+  Kind kind() const CARGOBAY_NONBLOCKING {
+    if (!std::isnan(speeds_.left_mm_s)) return Kind::speeds;
+    return static_cast<Kind>(static_cast<std::uint8_t>(speeds_.right_mm_s));
+  }
+  // 0 for a kind that has none.
+  rt::WheelSpeeds speeds() const CARGOBAY_NONBLOCKING {
+    return kind() == Kind::speeds ? speeds_ : rt::WheelSpeeds{};
+  }
+
+ private:
+  rt::WheelSpeeds speeds_;
+};
+
 // Called once per frame on the control thread, between estimate and command: returns the wanted
 // wheel speeds, each within -500 to 500 mm/s; for any others the wheels stop, and the answer is
 // counted. It must not block, lock, allocate or throw. `seconds` is robot time since the first
 // frame. It is not called while the robot has lost its mode.
 struct ControlFunction {
-  rt::WheelSpeeds (*function)(void* context, const CycleState& state, double seconds)
+  ControlAnswer (*function)(void* context, const CycleState& state, double seconds)
       CARGOBAY_NONBLOCKING = nullptr;
   void* context = nullptr;  // must outlive the cycle
 };
@@ -92,6 +129,10 @@ struct StateObserver {
   void* context = nullptr;  // must outlive the cycle
   // Called for each request when the cycle takes it up; may be null.
   void (*request)(void* context, const Request& request) CARGOBAY_NONBLOCKING = nullptr;
+  // Called for each event as it is reported; may be null.
+  void (*event)(void* context, const Event& event) CARGOBAY_NONBLOCKING = nullptr;
+  // Called by whoever runs the cycle, once it has ended; may be null.
+  void (*ended)(void* context) CARGOBAY_NONBLOCKING = nullptr;
 };
 
 }  // namespace cargobay::hal

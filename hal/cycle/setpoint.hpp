@@ -2,6 +2,7 @@
 // robot driving.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "rt/clock.hpp"
@@ -11,7 +12,7 @@
 
 namespace cargobay::hal {
 
-// put() from any thread, everything else on the control thread. No allocation.
+// put() and revoke() from any thread, everything else on the control thread. No allocation.
 class Setpoint {
  public:
   enum class Age : std::uint8_t {
@@ -28,9 +29,19 @@ class Setpoint {
     return cell_.put(speeds);
   }
 
+  // Whatever has been put so far no longer counts; what is put later does.
+  void revoke() CARGOBAY_NONBLOCKING {
+    revoked_.store(cell_.get().serial, std::memory_order_relaxed);
+  }
+
   // Call once a tick. A setpoint that has lapsed stays lapsed until the next put().
   Age see(rt::TimePoint now) CARGOBAY_NONBLOCKING {
     const std::uint32_t serial = cell_.get().serial;
+    if (serial == revoked_.load(std::memory_order_relaxed)) {
+      serial_ = serial;
+      alive_ = false;
+      return Age::lapsed;
+    }
     if (serial != serial_) {
       serial_ = serial;
       since_ = now;
@@ -51,6 +62,9 @@ class Setpoint {
 
  private:
   rt::SetpointCell cell_{};
+  // The serial number that was revoked; 0: that of no setpoint.
+  // Relaxed: there is nothing else to know.
+  std::atomic<std::uint32_t> revoked_{0};
   rt::Duration lapse_;
   rt::TimePoint since_{};
   std::uint32_t serial_ = 0;

@@ -26,26 +26,26 @@ class UserControl {
     rt::Duration budget;   // for each call
     int overruns_allowed;  // in a row
   };
-  struct Answer {
-    rt::WheelSpeeds speeds{};  // 0 if refused: no robot can follow them
-    bool refused = false;
-    bool first = false;  // the first in a row of refused ones
-  };
-
   explicit UserControl(const Limits& limits) : limits_{limits} {}
 
   void set(const ControlFunction& control) { control_ = control; }
   bool is_set() const CARGOBAY_NONBLOCKING { return control_.function != nullptr; }
 
-  Answer ask(const CycleState& state) CARGOBAY_NONBLOCKING {
+  // What it wants; to stand still if no robot can follow that: refusal() says so.
+  ControlAnswer ask(const CycleState& state) CARGOBAY_NONBLOCKING {
     const double seconds = static_cast<double>(state.tick) * rt::seconds(limits_.tick);
-    const rt::WheelSpeeds speeds = control_.function(control_.context, state, seconds);
-    const bool sane = within_range(speeds);
-    const bool was_sane = was_sane_;
-    was_sane_ = sane;
-    if (sane) return {.speeds = speeds};
-    return {.refused = true, .first = was_sane};
+    const ControlAnswer wanted = control_.function(control_.context, state, seconds);
+    const bool speeds = wanted.kind() == ControlAnswer::Kind::speeds;
+    if (!speeds || within_range(wanted.speeds())) {
+      refusal_ = Refusal::none;
+      return wanted;
+    }
+    refusal_ = refusal_ == Refusal::none ? Refusal::first : Refusal::another;
+    return ControlAnswer::Kind::stand;
   }
+  enum class Refusal : std::uint8_t { none, first, another };  // in a row
+  // Of the last answer.
+  Refusal refusal() const CARGOBAY_NONBLOCKING { return refusal_; }
 
   // Call once a tick. Whether the call took longer than allowed.
   bool over_budget(rt::Duration took) CARGOBAY_NONBLOCKING {
@@ -61,7 +61,7 @@ class UserControl {
   ControlFunction control_{};
   Limits limits_;
   int overruns_in_a_row_ = 0;
-  bool was_sane_ = true;
+  Refusal refusal_ = Refusal::none;
 };
 
 }  // namespace cargobay::hal

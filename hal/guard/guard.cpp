@@ -17,6 +17,7 @@
 #include "hal/file/port_descriptor.hpp"
 #include "hal/guard/guard_program.hpp"
 #include "hal/port/port_lock.hpp"
+#include "hal/trouble.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -40,7 +41,8 @@ void nap() {
 Failure no_guard(const std::string& why) {
   return {
       "the robot would have no guard, and its wheels would keep turning if this program died: " +
-      why};
+          why,
+      Trouble::guard};
 }
 
 void prepare(GuardBlock& block, const PortLock& lock, const GuardOptions& options, int priority,

@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t kRobotBaud = oi::kCreate.default_baud;
 
 // Drives no wheels: the speed changes, so that every branch runs.
-rt::WheelSpeeds decide(void* context, const CycleState& state, double /*seconds*/)
+ControlAnswer decide(void* context, const CycleState& state, double /*seconds*/)
     CARGOBAY_NONBLOCKING {
   auto& stamps = *static_cast<Stamps*>(context);
   const std::int64_t now =

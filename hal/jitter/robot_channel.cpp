@@ -31,10 +31,10 @@ class Books {
   ControlCycle* cycle = nullptr;
   const std::atomic<bool>* stop = nullptr;
 
-  static rt::WheelSpeeds decide(void* context, const CycleState& /*state*/, double /*seconds*/)
+  static ControlAnswer decide(void* context, const CycleState& /*state*/, double /*seconds*/)
       CARGOBAY_NONBLOCKING {
     static_cast<Books*>(context)->next();
-    return {};
+    return rt::WheelSpeeds{};
   }
 
  private:

@@ -118,12 +118,14 @@ class Script {
   }
 
   // What was wanted in the present tick of the cycle.
-  rt::WheelSpeeds wanted() const {
+  ControlAnswer wanted() const {
     Entry entry;
     for (EntryCursor ahead = cursor_; ahead.next(entry);) {
-      if (entry.kind == EntryKind::state) return entry.state.target;
+      if (entry.kind != EntryKind::state) continue;
+      if (entry.state.setpoint_lapsed) return ControlAnswer::Kind::stand;
+      return entry.state.target;
     }
-    return {};
+    return rt::WheelSpeeds{};
   }
 
   // The requests of other threads, as the cycle takes them up in this pass.
@@ -242,7 +244,7 @@ class ReplayStream final : public ByteStream {
   GuardBlock guard_{};  // no guard watches it
 };
 
-rt::WheelSpeeds wanted(void* context, const CycleState& /*state*/, double /*seconds*/)
+ControlAnswer wanted(void* context, const CycleState& /*state*/, double /*seconds*/)
     CARGOBAY_NONBLOCKING {
   return rt::unchecked([context] { return static_cast<const Script*>(context)->wanted(); });
 }

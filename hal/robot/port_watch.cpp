@@ -10,10 +10,11 @@ namespace cargobay::hal {
 
 // Not std::thread: if all memory is locked, its 8 MiB of stack would be too, and it would inherit a
 // caller's real-time priority.
-std::error_code PortWatch::start(std::string port, LookUp look_up) {
+std::error_code PortWatch::start(std::string port, LookUp look_up, Tell tell) {
   constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
   port_ = std::move(port);
   look_up_ = std::move(look_up);
+  tell_ = std::move(tell);
   sigset_t all;
   sigfillset(&all);
   const sched_param ordinary{};
@@ -80,6 +81,7 @@ void PortWatch::look(std::int64_t tick) {
     event.process = user.id;
     std::copy_n(user.name.begin(), std::min(user.name.size(), event.process_name.size() - 1),
                 event.process_name.begin());
+    if (tell_) tell_(event);
     const std::lock_guard lock{mutex_};
     if (events_.size() < kMostEvents) events_.push_back(event);
   }

@@ -27,6 +27,7 @@ class PortWatch {
     std::int64_t tick = 0;
   };
   using LookUp = std::function<Progress()>;
+  using Tell = std::function<void(const Event&)>;
 
   PortWatch() = default;
   // Stops.
@@ -37,7 +38,8 @@ class PortWatch {
   // Starts an ordinary thread, which takes no signals. When `look_up`, which must outlive it,
   // reports more missed frames, it looks at every process's files, at most once per kPause. Call
   // once; allocates. Returns an error if no thread could be started: then nothing looks.
-  [[nodiscard]] std::error_code start(std::string port, LookUp look_up);
+  // `tell`, if there is one, is called on the watch's thread with each event.
+  [[nodiscard]] std::error_code start(std::string port, LookUp look_up, Tell tell = {});
   // Waits for the thread, and for a look in progress: some ms, or a few hundred. Idempotent.
   void stop();
 
@@ -55,6 +57,7 @@ class PortWatch {
 
   std::string port_;
   LookUp look_up_;
+  Tell tell_;
   std::vector<pid_t> told_;  // used by the thread only
   std::mutex mutex_;
   std::condition_variable ending_changed_;

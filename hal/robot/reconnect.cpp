@@ -31,7 +31,7 @@ class Attempts {
       auto reconnection = attempt();
       if (reconnection) return reconnection;
       // Our own cancellation when time is up: what failed before it says more.
-      if (reconnection.failure().code != std::errc::interrupted)
+      if (reconnection.failure().code != std::errc::operation_canceled)
         last_failure_ = reconnection.failure();
     }
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hal/stream/spaced_stream.hpp"
+#include "hal/trouble.hpp"
 #include "oi/stream_budget.hpp"
 
 namespace cargobay::hal {
@@ -93,7 +94,11 @@ Result<Robot::Owned> Robot::open(std::unique_ptr<ByteStream> stream, const Robot
                                          .left = &left});
   if (!report) {
     Failure failure = report.failure();
-    failure.message += fate((*duty)->discharge_after(left));
+    const Discharge discharge = (*duty)->discharge_after(left);
+    failure.message += fate(discharge);
+    // Of a robot that was never heard, or whose port is gone, nothing was to be confirmed.
+    const bool heard = failure.code == Trouble::unruly || failure.code == Trouble::wrong_mode;
+    if (heard && !discharge.standing()) failure.code = Trouble::unconfirmed;
     return failure;
   }
   Owned robot{new Robot{std::move(stream), std::move(*duty), options, *report}};
@@ -108,7 +113,8 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   cycle_->set_control(control);
   if (duty_->guard() != nullptr && !duty_->guard()->alive()) {
     (void)stop();  // the failure is what matters
-    return Failure{std::string{kGuardLost} + ", and the robot was not driven; " + kGuardRemedy};
+    return Failure{std::string{kGuardLost} + ", and the robot was not driven; " + kGuardRemedy,
+                   Trouble::guard};
   }
   // The thread waits for the decision: without the required rights the robot never moves.
   rt::RealtimeRequest wanted = options_.realtime;
@@ -116,11 +122,11 @@ Result<rt::RealtimeGrant> Robot::start(const ControlFunction& control) {
   rt::RealtimeGrant grant = thread_.start(wanted, [this] {
     permission_.wait(Permission::pending, std::memory_order_acquire);
     if (permission_.load(std::memory_order_acquire) == Permission::run) run();
-    ended_.store(true, std::memory_order_release);
-    doorbell_.ring();
+    announce_end();
   });
   if (!thread_.running()) {
-    return Failure{"cannot start the control thread: " + rt::explain(grant.refusals.back())};
+    return Failure{"cannot start the control thread: " + rt::explain(grant.refusals.back()),
+                   Trouble::no_thread};
   }
   const bool refuse = options_.require_realtime && !grant.complete();
   permission_.store(refuse ? Permission::refused : Permission::run, std::memory_order_release);
@@ -141,9 +147,16 @@ void Robot::run() {
   const CycleEnd end = cycle_->run();
   if (!ended()) note_end(end);  // else it was given up, and its recording has been read
   if (guard != nullptr) guard->end_driving();
+  announce_end();
+  leave();
+}
+
+// On the control thread, the owner's, or in virtual time the only one.
+void Robot::announce_end() {
   ended_.store(true, std::memory_order_release);
   doorbell_.ring();
-  leave();
+  const StateObserver& other = options_.observer;
+  if (other.ended != nullptr) other.ended(other.context);
 }
 
 // All that a pass touches, except code and the control function's own memory.
@@ -157,6 +170,7 @@ std::vector<rt::Memory> Robot::memory_of_loop() const {
                                  on_heap(dynamic_cast<const void*>(stream_.get())),
                                  recorder_.memory()};
   if (const Guard* const guard = duty_->guard()) memory.push_back(guard->memory());
+  memory.insert(memory.end(), options_.memory.begin(), options_.memory.end());
   return memory;
 }
 
@@ -168,10 +182,14 @@ void Robot::start_port_watch() {
   const auto path =
       std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
   if (error) return;
-  (void)port_watch_.start(path, [this] {
+  const auto look_up = [this] {
     const FrameCounters frames = cycle_->counters().frames;
     const auto state = cycle_->state();
     return PortWatch::Progress{.missed = frames.bad + frames.lost, .tick = state ? state->tick : 0};
+  };
+  (void)port_watch_.start(path, look_up, [this](const Event& event) {
+    const StateObserver& other = options_.observer;
+    if (other.event != nullptr) other.event(other.context, event);
   });
 }
 
@@ -195,14 +213,21 @@ void Robot::note_end(CycleEnd end) {
 
 // Record first: whoever is woken may look.
 StateObserver Robot::observer() {
-  constexpr auto kSee = [](void* robot, const CycleState& state) CARGOBAY_NONBLOCKING {
-    static_cast<Robot*>(robot)->recorder_.state(state);
-    static_cast<Robot*>(robot)->doorbell_.ring();
+  constexpr auto kSee = [](void* context, const CycleState& state) CARGOBAY_NONBLOCKING {
+    auto& robot = *static_cast<Robot*>(context);
+    robot.recorder_.state(state);
+    const StateObserver& other = robot.options_.observer;
+    if (other.function != nullptr) other.function(other.context, state);
+    robot.doorbell_.ring();
+  };
+  constexpr auto kTell = [](void* context, const Event& event) CARGOBAY_NONBLOCKING {
+    const StateObserver& other = static_cast<Robot*>(context)->options_.observer;
+    if (other.event != nullptr) other.event(other.context, event);
   };
   constexpr auto kHear = [](void* robot, const Request& request) CARGOBAY_NONBLOCKING {
     static_cast<Robot*>(robot)->recorder_.asked(request);
   };
-  return {.function = kSee, .context = this, .request = kHear};
+  return {.function = kSee, .context = this, .request = kHear, .event = kTell};
 }
 
 void Robot::start_stepped(const ControlFunction& control) {
@@ -216,8 +241,7 @@ Robot::Stepped Robot::step(rt::TimePoint deadline) {
   while (!ended()) {
     if (!cycle_->pass()) {
       note_end(cycle_->finish());
-      ended_.store(true, std::memory_order_release);
-      doorbell_.ring();
+      announce_end();
       return Stepped::ended;
     }
     if (doorbell_.rings() != before) return Stepped::frame;
@@ -249,8 +273,7 @@ void Robot::abandon() {
   cycle_->abandon();
   if (Guard* const guard = duty_->guard()) guard->take_over();
   cycle_end_.store(CycleEnd::guarded, std::memory_order_relaxed);
-  ended_.store(true, std::memory_order_release);
-  doorbell_.ring();  // for threads that wait for a frame
+  announce_end();  // for threads that wait for a frame
   farewell_.robot = duty_->discharge();
 }
 
@@ -339,6 +362,8 @@ std::string explain_end(const Robot::Farewell& farewell) {
       return "the control function exceeded its time budget too many times in a row, and the robot "
              "was stopped; do less in it, leave the rest to another thread, or raise "
              "control_budget";
+    case CycleEnd::control_failed:
+      return "the control function failed, and the robot was stopped; what it returned says why";
     case CycleEnd::guard_lost:
       return std::string{kGuardLost} + ", and the robot was stopped; " + kGuardRemedy;
   }

@@ -38,6 +38,11 @@ struct RobotOptions {
   RobotPins pins{};
   std::function<void(const BringUpEvent&)> progress{};
   std::function<bool()> cancelled{};
+  // Called on the control thread after the robot's own observer; events of the port come from
+  // another thread. Its `request` is not called.
+  StateObserver observer{};
+  // What the observer and the control function touch; locked with the loop's own.
+  std::vector<rt::Memory> memory{};
 };
 
 // Call all functions from one thread, unless the ControlCycle says otherwise.
@@ -51,14 +56,15 @@ class Robot {
 
   // Starts the guard and brings the robot up at the stream's rate; blocks as bring_up() does. After
   // a failure the robot has been told to stop and go Passive, by the guard if need be; the message
-  // says so if it may be moving. The stream is closed.
+  // says so if it may be moving. The stream is closed. The code is a Trouble or the system's.
   static Result<Owned> open(std::unique_ptr<ByteStream> stream, const RobotOptions& options);
   // Stops, unless stop() was called.
   ~Robot();
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  // Starts the real-time thread; call once. A failure leaves the robot standing.
+  // Starts the real-time thread; call once. A failure leaves the robot standing; its code is
+  // Trouble::guard, Trouble::no_thread, or operation_not_permitted for rights that are required.
   Result<rt::RealtimeGrant> start(const ControlFunction& control);
   // The same in virtual time: no thread. step() runs the cycle on the calling thread until it has
   // answered a frame, has ended, or `deadline` on the stream's clock has passed.
@@ -116,6 +122,7 @@ class Robot {
   void run();
   void leave();
   void note_end(CycleEnd end);
+  void announce_end();
   bool ends_in_time();
   void abandon();
   bool guard_has_taken() const;

@@ -115,8 +115,8 @@ BENCHMARK(mailbox_floor);
 struct Rounds {
   benchmark::State* state;
   hal::ControlCycle* cycle;
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/,
-                                 double /*seconds*/) CARGOBAY_NONBLOCKING {
+  static hal::ControlAnswer control(void* context, const hal::CycleState& /*state*/,
+                                    double /*seconds*/) CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Rounds*>(context);
     if (!self.state->KeepRunning()) self.cycle->request_stop();
     return kSpeeds;

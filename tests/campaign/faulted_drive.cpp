@@ -147,19 +147,19 @@ class FaultedDrive {
     (void)hal::farewell(stream_);         // see_tick() and run() look at the robot itself
   }
 
-  static rt::WheelSpeeds first_control(void* context, const hal::CycleState& state, double seconds)
-      CARGOBAY_NONBLOCKING {
+  static hal::ControlAnswer first_control(void* context, const hal::CycleState& state,
+                                          double seconds) CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<FaultedDrive*>(context);
     // It records on the heap, in virtual time.
     rt::unchecked([&self, &state] { self.see_answer(state); });
     return self.case_.profile->at(seconds);
   }
-  static rt::WheelSpeeds second_control(void* context, const hal::CycleState& /*state*/,
-                                        double /*seconds*/) CARGOBAY_NONBLOCKING {
+  static hal::ControlAnswer second_control(void* context, const hal::CycleState& /*state*/,
+                                           double /*seconds*/) CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<FaultedDrive*>(context);
     if (++self.second_frames_ == kSecondFrames) self.cycle_->request_stop();
     self.seen_.second_truth = self.truth_;
-    return {kSecondSpeed, kSecondSpeed};
+    return rt::WheelSpeeds{kSecondSpeed, kSecondSpeed};
   }
 
   void see_answer(const hal::CycleState& state) {

@@ -133,7 +133,7 @@ class VirtualSoak {
  private:
   static constexpr std::uint64_t kLooks = 50;
 
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+  static hal::ControlAnswer control(void* context, const hal::CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     // In virtual time nothing waits for these allocations.
     rt::unchecked([context] { static_cast<VirtualSoak*>(context)->answer(); });
@@ -193,7 +193,7 @@ class RealSoak {
     std::fprintf(stderr, "soak: %s\n", why.c_str());
     return false;
   }
-  static rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double seconds)
+  static hal::ControlAnswer control(void* context, const hal::CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<RealSoak*>(context);
     self.ledger_.book(self.sent_.load(std::memory_order_relaxed), self.cycle_->frames());

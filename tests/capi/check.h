@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cargobay.h"
 
@@ -32,8 +33,14 @@
   struct type name;              \
   memset(&name, 0, sizeof name); \
   name.size = sizeof name
+/* A reader that has seen no state yet. */
+#define UNSEEN(name)           \
+  SIZED(cargobay_state, name); \
+  name.tick = -1
 
 #define SECONDS(count) ((int64_t)((count) * 1e9))
+
+enum { kSkipped = 77 };
 
 /* A virtual Create in virtual time, and the robot that uses it, not started. */
 static inline struct cargobay_sim* virtual_sim(void) {
@@ -41,7 +48,7 @@ static inline struct cargobay_sim* virtual_sim(void) {
   struct cargobay_sim* sim = NULL;
   memset(&options, 0, sizeof options);
   options.size = sizeof options;
-  options.time = CARGOBAY_SIM_VIRTUAL;
+  options.time = CARGOBAY_SIM_TIME_VIRTUAL;
   CHECK(cargobay_sim_open(&options, &sim) == CARGOBAY_OK);
   return sim;
 }
@@ -50,24 +57,27 @@ static inline struct cargobay_robot* robot_of(struct cargobay_sim* sim, uint32_t
   struct cargobay_robot* robot = NULL;
   memset(&options, 0, sizeof options);
   options.size = sizeof options;
-  options.flags = flags | CARGOBAY_NO_CONFIG;
+  options.flags = flags | CARGOBAY_FLAG_NO_CONFIG;
   options.sim = sim;
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
   return robot;
 }
 
+/* The next state after the one that this holds; in virtual time, one frame later. */
+static inline int next_state(struct cargobay_robot* robot, struct cargobay_state* state) {
+  return cargobay_wait(robot, state->tick, SECONDS(5), state);
+}
+
 /* Lets this much of the robot's time pass. */
 static inline int run_for(struct cargobay_robot* robot, double seconds) {
-  struct cargobay_state state;
-  int64_t until = -1;
-  memset(&state, 0, sizeof state);
-  state.size = sizeof state;
-  do {
-    const int error = cargobay_wait(robot, SECONDS(2), &state);
-    if (error != CARGOBAY_OK) return error;
-    if (until < 0) until = state.time_ns + SECONDS(seconds);
-  } while (state.time_ns < until);
-  return CARGOBAY_OK;
+  int64_t until;
+  int error;
+  UNSEEN(state);
+  error = cargobay_wait(robot, -1, SECONDS(2), &state);
+  until = state.robot_time_ns + SECONDS(seconds);
+  while (error == CARGOBAY_OK && state.robot_time_ns < until)
+    error = cargobay_wait(robot, state.tick, SECONDS(2), &state);
+  return error;
 }
 
 #endif

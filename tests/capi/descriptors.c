@@ -13,7 +13,8 @@ static int standard_numbers_are_free(void) {
 }
 
 int main(void) {
-  struct cargobay_options options = {.size = sizeof options, .flags = CARGOBAY_NO_CONFIG};
+  struct cargobay_options options = {.size = sizeof options, .flags = CARGOBAY_FLAG_NO_CONFIG};
+  struct cargobay_state state = {.size = sizeof state, .tick = -1};
   struct cargobay_robot* robot = NULL;
   close(0);
   close(1);
@@ -23,10 +24,11 @@ int main(void) {
   if (cargobay_start(robot) != 0) return 12;
   for (int frame = 0; frame < 30; ++frame) {
     if (cargobay_drive(robot, 100.0, 0.0) != 0) return 13;
-    if (cargobay_wait(robot, -1, NULL) != 0) return 14;
+    if (cargobay_wait(robot, state.tick, -1, &state) != 0) return 14;
   }
+  if (cargobay_get_fd(robot) < 3) return 19;
   if (!standard_numbers_are_free()) return 15;
-  if (cargobay_stop(robot) != 0) return 16;
+  if (cargobay_end(robot) != 0) return 16;
   if (cargobay_close(robot) != 0) return 17;
   return standard_numbers_are_free() ? 0 : 18;
 }

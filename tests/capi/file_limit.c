@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include <fcntl.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,16 +12,15 @@
 /* Drives for some seconds of virtual time, then returns what came of the recording. */
 static int record_to(const char* file, struct cargobay_sim* sim, struct cargobay_robot** robot) {
   SIZED(cargobay_options, options);
-  SIZED(cargobay_state, state);
-  options.flags = CARGOBAY_NO_CONFIG;
+  UNSEEN(state);
+  options.flags = CARGOBAY_FLAG_NO_CONFIG;
   options.sim = sim;
   options.record = file;
   CHECK(cargobay_open(&options, robot) == CARGOBAY_OK);
   CHECK(cargobay_start(*robot) == CARGOBAY_OK);
   CHECK(cargobay_drive(*robot, 200.0, 0.0) == CARGOBAY_OK);
-  for (int i = 0; i < 400; ++i)
-    CHECK(cargobay_wait(*robot, INT64_C(1000000000), &state) == CARGOBAY_OK);
-  return cargobay_stop(*robot);
+  for (int i = 0; i < 400; ++i) CHECK(next_state(*robot, &state) == CARGOBAY_OK);
+  return cargobay_end(*robot);
 }
 
 int main(void) {
@@ -36,7 +34,7 @@ int main(void) {
   int reader;
   SIZED(cargobay_sim_options, create);
   CHECK(mkdtemp(folder) != NULL);
-  create.time = CARGOBAY_SIM_VIRTUAL;
+  create.time = CARGOBAY_SIM_TIME_VIRTUAL;
   CHECK(cargobay_sim_open(&create, &sim) == CARGOBAY_OK);
 
   snprintf(file, sizeof file, "%s/drive.rec", folder);
@@ -44,7 +42,7 @@ int main(void) {
   little = before;
   little.rlim_cur = 8192;
   CHECK(setrlimit(RLIMIT_FSIZE, &little) == 0);
-  CHECK_FAILS(record_to(file, sim, &robot), CARGOBAY_E_SYSTEM, "File too large");
+  CHECK_FAILS(record_to(file, sim, &robot), CARGOBAY_E_FILE, "File too large");
   CHECK(setrlimit(RLIMIT_FSIZE, &before) == 0);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(stat(file, &status) == 0 && status.st_size == 8192);
@@ -55,13 +53,13 @@ int main(void) {
   CHECK(reader >= 0);
   {
     SIZED(cargobay_options, options);
-    options.flags = CARGOBAY_NO_CONFIG;
+    options.flags = CARGOBAY_FLAG_NO_CONFIG;
     options.sim = sim;
     options.record = file;
     CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
   }
   CHECK(close(reader) == 0);
-  CHECK_FAILS(cargobay_start(robot), CARGOBAY_E_SYSTEM, "Broken pipe");
+  CHECK_FAILS(cargobay_start(robot), CARGOBAY_E_FILE, "Broken pipe");
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(remove(file) == 0);
 

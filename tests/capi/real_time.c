@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -15,7 +14,7 @@
 static struct cargobay_robot* own_robot(uint32_t flags) {
   struct cargobay_robot* robot = NULL;
   SIZED(cargobay_options, options);
-  options.flags = CARGOBAY_NO_CONFIG | flags;
+  options.flags = CARGOBAY_FLAG_NO_CONFIG | flags;
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
   return robot;
 }
@@ -29,8 +28,8 @@ struct reader {
 static void* reads_frames(void* context) {
   struct reader* self = context;
   int64_t last = -1;
-  SIZED(cargobay_state, state);
-  while ((self->end = cargobay_wait(self->robot, -1, &state)) == CARGOBAY_OK) {
+  UNSEEN(state);
+  while ((self->end = cargobay_wait(self->robot, last, -1, &state)) == CARGOBAY_OK) {
     CHECK(state.tick > last);
     last = state.tick;
     ++self->frames;
@@ -41,7 +40,7 @@ static void* reads_frames(void* context) {
 static struct cargobay_robot* of_the_handler;
 static void on_alarm(int signal) {
   (void)signal;
-  (void)cargobay_request_stop(of_the_handler);
+  (void)cargobay_request_end(of_the_handler);
 }
 
 /* Readers wait while others set speeds; a signal handler ends it for all of them. */
@@ -50,32 +49,33 @@ static void serves_many_threads(void) {
   struct reader readers[3];
   pthread_t threads[3];
   SIZED(cargobay_statistics, counted);
-  SIZED(cargobay_state, state);
+  UNSEEN(state);
   char missing[1500];
-  CHECK_FAILS(cargobay_missing_rights(robot, NULL, 0), CARGOBAY_E_ARGUMENT, "NULL");
-  CHECK_FAILS(cargobay_missing_rights(robot, missing, sizeof missing), CARGOBAY_E_STATE, "start");
+  CHECK_FAILS(cargobay_get_missing_rights(robot, NULL, 0), CARGOBAY_E_ARGUMENT, "NULL");
+  CHECK_FAILS(cargobay_get_missing_rights(robot, missing, sizeof missing), CARGOBAY_E_STATE,
+              "start");
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
-  CHECK(cargobay_missing_rights(robot, missing, sizeof missing) == (int)strlen(missing));
+  CHECK(cargobay_get_missing_rights(robot, missing, sizeof missing) == (int)strlen(missing));
   for (int i = 0; i < 3; ++i) {
     readers[i] = (struct reader){robot, 0, 0};
     CHECK(pthread_create(&threads[i], NULL, reads_frames, &readers[i]) == 0);
   }
   for (int i = 0; i < 60; ++i) {
     CHECK(cargobay_drive(robot, 150.0, 0.0) == CARGOBAY_OK);
-    CHECK(cargobay_wait(robot, SECONDS(5), &state) == CARGOBAY_OK);
+    CHECK(next_state(robot, &state) == CARGOBAY_OK);
   }
   CHECK(state.target.left_mm_s == 150.0);
-  CHECK(cargobay_wait(robot, 0, &state) == CARGOBAY_E_TIMEOUT);
+  CHECK(cargobay_wait(robot, state.tick + 1000, 0, &state) == CARGOBAY_E_TIMEOUT);
   of_the_handler = robot;
   CHECK(signal(SIGALRM, on_alarm) != SIG_ERR);
   CHECK(raise(SIGALRM) == 0);
   for (int i = 0; i < 3; ++i) {
     CHECK(pthread_join(threads[i], NULL) == 0);
-    CHECK(readers[i].frames >= 50 && readers[i].end == CARGOBAY_E_STATE);
+    CHECK(readers[i].frames >= 50 && readers[i].end == CARGOBAY_ENDED);
   }
   CHECK(cargobay_get_statistics(robot, &counted) == CARGOBAY_OK);
   CHECK(counted.frames_good >= 60 && counted.commands_unsent == 0);
-  CHECK(cargobay_stop(robot) == CARGOBAY_OK);
+  CHECK(cargobay_end(robot) == CARGOBAY_OK);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
 }
 
@@ -84,13 +84,14 @@ static void closes_under_waiting_threads(void) {
   struct cargobay_robot* robot = own_robot(0);
   struct reader reader = {robot, 0, 0};
   pthread_t thread;
+  UNSEEN(state);
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
-  CHECK(cargobay_wait(robot, SECONDS(5), NULL) == CARGOBAY_OK);
+  CHECK(next_state(robot, &state) == CARGOBAY_OK);
   CHECK(pthread_create(&thread, NULL, reads_frames, &reader) == 0);
-  for (int i = 0; i < 10; ++i) CHECK(cargobay_wait(robot, SECONDS(5), NULL) == CARGOBAY_OK);
+  for (int i = 0; i < 10; ++i) CHECK(next_state(robot, &state) == CARGOBAY_OK);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(pthread_join(thread, NULL) == 0);
-  CHECK(reader.end == CARGOBAY_E_STATE || reader.end == CARGOBAY_E_HANDLE);
+  CHECK(reader.end == CARGOBAY_ENDED || reader.end == CARGOBAY_E_HANDLE);
 }
 
 /* The program's virtual Create, opened by its path like any port. */
@@ -101,40 +102,42 @@ static void drives_a_port(void) {
   struct cargobay_robot* second = NULL;
   SIZED(cargobay_options, options);
   SIZED(cargobay_truth, truth);
+  UNSEEN(state);
   CHECK(cargobay_sim_open(NULL, &sim) == CARGOBAY_OK);
-  CHECK(cargobay_sim_path(sim, path, sizeof path) > 5);
+  CHECK(cargobay_sim_get_path(sim, path, sizeof path) > 5);
   CHECK(cargobay_sim_advance(sim, 1000000) == CARGOBAY_OK);
-  options.flags = CARGOBAY_NO_CONFIG;
+  options.flags = CARGOBAY_FLAG_NO_CONFIG;
   options.port = path;
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
-  CHECK_FAILS(cargobay_open(&options, &second), CARGOBAY_E_PORT, path); /* busy */
+  CHECK_FAILS(cargobay_open(&options, &second), CARGOBAY_E_BUSY, path);
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
   for (int i = 0; i < 50; ++i) {
     CHECK(cargobay_drive(robot, 200.0, 0.0) == CARGOBAY_OK);
-    CHECK(cargobay_wait(robot, SECONDS(5), NULL) == CARGOBAY_OK);
+    CHECK(next_state(robot, &state) == CARGOBAY_OK);
   }
-  CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK && truth.left_mm_s > 100.0);
+  CHECK(cargobay_sim_get_truth(sim, &truth) == CARGOBAY_OK && truth.left_mm_s > 100.0);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
-  CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK && truth.mode == CARGOBAY_MODE_PASSIVE);
+  CHECK(cargobay_sim_get_truth(sim, &truth) == CARGOBAY_OK && truth.mode == CARGOBAY_MODE_PASSIVE);
 
   /* Used as the robot itself; then its adapter is pulled out. */
   options.port = NULL;
   options.sim = sim;
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
-  CHECK(cargobay_wait(robot, SECONDS(5), NULL) == CARGOBAY_OK);
+  CHECK(cargobay_wait(robot, -1, SECONDS(5), NULL) == CARGOBAY_OK);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
 static atomic_bool let_go;
-static void does_not_return(void* context, const struct cargobay_state* state,
-                            struct cargobay_wheels* wheels) {
+static int does_not_return(void* context, const struct cargobay_state* state,
+                           struct cargobay_output* output) {
   (void)context;
   if (state->tick > 20)
     while (!atomic_load(&let_go)) {
     }
-  wheels->left_mm_s = wheels->right_mm_s = 200.0;
+  output->wheels.left_mm_s = output->wheels.right_mm_s = 200.0;
+  return 0;
 }
 
 /* The guard stops the robot if a control function does not return. */
@@ -144,7 +147,7 @@ static void is_guarded(void) {
   SIZED(cargobay_options, options);
   SIZED(cargobay_truth, truth);
   CHECK(cargobay_sim_open(NULL, &sim) == CARGOBAY_OK);
-  options.flags = CARGOBAY_NO_CONFIG;
+  options.flags = CARGOBAY_FLAG_NO_CONFIG;
   options.sim = sim;
   options.priority = 10;
   CHECK(cargobay_open(&options, &robot) == CARGOBAY_OK);
@@ -152,24 +155,25 @@ static void is_guarded(void) {
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
   do {
     CHECK(cargobay_sim_advance(sim, 10000000) == CARGOBAY_OK);
-    CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK);
+    CHECK(cargobay_sim_get_truth(sim, &truth) == CARGOBAY_OK);
   } while (truth.commanded_left_mm_s == 0 || truth.mode != CARGOBAY_MODE_SAFE);
   do {
     CHECK(cargobay_sim_advance(sim, 10000000) == CARGOBAY_OK);
-    CHECK(cargobay_sim_truth(sim, &truth) == CARGOBAY_OK);
+    CHECK(cargobay_sim_get_truth(sim, &truth) == CARGOBAY_OK);
   } while (truth.mode != CARGOBAY_MODE_PASSIVE);
   CHECK(truth.commanded_left_mm_s == 0);
   atomic_store(&let_go, true);
-  CHECK_FAILS(cargobay_stop(robot), CARGOBAY_E_STALLED, "stopped by its guard");
+  CHECK_FAILS(cargobay_end(robot), CARGOBAY_E_STALLED, "stopped by its guard");
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
 
-static void takes_too_long(void* context, const struct cargobay_state* state,
-                           struct cargobay_wheels* wheels) {
+static int takes_too_long(void* context, const struct cargobay_state* state,
+                          struct cargobay_output* output) {
   (void)context;
-  (void)wheels;
+  (void)output;
   if (state->tick > 10) usleep(4000); /* twice its budget */
+  return 0;
 }
 
 static void is_kept_to_its_budget(void) {
@@ -178,10 +182,11 @@ static void is_kept_to_its_budget(void) {
   CHECK(cargobay_set_control(robot, takes_too_long, NULL) == CARGOBAY_OK);
   CHECK(cargobay_start(robot) == CARGOBAY_OK);
   int error;
-  while ((error = cargobay_wait(robot, SECONDS(5), NULL)) == CARGOBAY_OK) {
+  UNSEEN(state);
+  while ((error = next_state(robot, &state)) == CARGOBAY_OK) {
   }
   CHECK_FAILS(error, CARGOBAY_E_CONTROL, "budget");
-  CHECK_FAILS(cargobay_stop(robot), CARGOBAY_E_CONTROL, "budget");
+  CHECK_FAILS(cargobay_end(robot), CARGOBAY_E_CONTROL, "budget");
   CHECK(cargobay_get_statistics(robot, &counted) == CARGOBAY_OK && counted.overruns_control > 9);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
 }
@@ -191,7 +196,7 @@ static void requires_rights(void) {
   struct __user_cap_header_struct header = {_LINUX_CAPABILITY_VERSION_3, 0};
   struct __user_cap_data_struct rights[2];
   const struct rlimit no_priority = {0, 0};
-  struct cargobay_robot* robot = own_robot(CARGOBAY_REQUIRE_REALTIME);
+  struct cargobay_robot* robot = own_robot(CARGOBAY_FLAG_REQUIRE_REALTIME);
   CHECK(syscall(SYS_capget, &header, rights) == 0);
   rights[0].effective &= ~(1u << CAP_SYS_NICE);
   rights[0].permitted &= ~(1u << CAP_SYS_NICE);

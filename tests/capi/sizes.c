@@ -1,6 +1,5 @@
 /* The rule of structs that grow: that of an older program is short, that of a newer one long. */
 #include <stddef.h>
-#include <string.h>
 
 #include "check.h"
 
@@ -75,26 +74,58 @@ static void have_an_upper_bound(struct cargobay_sim* sim, struct cargobay_robot*
   REFUSES_SIZES(cargobay_options, cargobay_open(given, &other));
   REFUSES_SIZES(cargobay_sim_options, cargobay_sim_open(given, &more));
   CHECK(other == NULL && more == NULL);
-  REFUSES_SIZES(cargobay_truth, cargobay_sim_truth(sim, given));
+  REFUSES_SIZES(cargobay_truth, cargobay_sim_get_truth(sim, given));
   REFUSES_SIZES(cargobay_bring_up, cargobay_get_bring_up(robot, given));
   REFUSES_SIZES(cargobay_state, cargobay_get_state(robot, given));
-  REFUSES_SIZES(cargobay_state, cargobay_wait(robot, SECONDS(1), given));
-  REFUSES_SIZES(cargobay_event, cargobay_next_event(robot, given));
+  REFUSES_SIZES(cargobay_state, cargobay_wait(robot, -1, SECONDS(1), given));
+  REFUSES_SIZES(cargobay_event, cargobay_next_event(robot, 0, given));
   REFUSES_SIZES(cargobay_event, cargobay_describe_event(given, text, sizeof text));
-  REFUSES_SIZES(cargobay_sensors, cargobay_get_sensors(robot, given));
+  REFUSES_SIZES(cargobay_state, cargobay_get_history(robot, -1, given, 2));
+  REFUSES_SIZES(cargobay_info, cargobay_get_info(robot, given));
+  REFUSES_SIZES(cargobay_end_report, cargobay_get_end(robot, given));
+  REFUSES_SIZES(cargobay_setting, cargobay_get_setting(0, given));
   REFUSES_SIZES(cargobay_statistics, cargobay_get_statistics(robot, given));
   REFUSES_SIZES(cargobay_distribution, cargobay_histogram_get(histogram, given));
 
-  FILLS_TO_THE_END(cargobay_truth, cargobay_sim_truth(sim, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_truth, cargobay_sim_get_truth(sim, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_bring_up, cargobay_get_bring_up(robot, given), CARGOBAY_OK);
-  FILLS_TO_THE_END(cargobay_state, cargobay_wait(robot, SECONDS(1), given), CARGOBAY_OK);
-  FILLS_TO_THE_END(cargobay_sensors, cargobay_get_sensors(robot, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_state, cargobay_wait(robot, -1, SECONDS(1), given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_state, cargobay_get_history(robot, 0, given, 1), 1);
+  FILLS_TO_THE_END(cargobay_info, cargobay_get_info(robot, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_end_report, cargobay_get_end(robot, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_setting, cargobay_get_setting(0, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_statistics, cargobay_get_statistics(robot, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_distribution, cargobay_histogram_get(histogram, given), CARGOBAY_OK);
   CHECK(cargobay_sim_inject(sim, "bump left", NULL, 0) >= 0);
   CHECK(run_for(robot, 0.2) == CARGOBAY_OK);
-  FILLS_TO_THE_END(cargobay_event, cargobay_next_event(robot, given), 1);
+  FILLS_TO_THE_END(cargobay_event, cargobay_next_event(robot, 0, given), 1);
   CHECK(cargobay_histogram_close(histogram) == CARGOBAY_OK);
+}
+
+/* states[0].size says how long each of them is, shorter or longer than the library's. */
+static void history_has_the_callers_size(struct cargobay_robot* robot) {
+  struct {
+    uint32_t size;
+    int32_t mode;
+    int64_t tick;
+  } less[8];
+  struct long_state more[4];
+  memset(less, 0xa5, sizeof less);
+  less[0].size = sizeof less[0];
+  CHECK(cargobay_get_history(robot, 2, (struct cargobay_state*)(void*)less, 7) == 7);
+  for (int i = 0; i < 7; ++i) {
+    CHECK(less[i].tick == 3 + i && less[i].size == sizeof less[0]);
+    CHECK(less[i].mode == CARGOBAY_MODE_SAFE);
+  }
+  CHECK(less[7].size == 0xa5a5a5a5); /* nothing beyond what was asked for */
+  memset(more, 0xa5, sizeof more);
+  more[0].known.size = sizeof more[0];
+  CHECK(cargobay_get_history(robot, 2, &more[0].known, 3) == 3);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(more[i].known.tick == 3 + i && more[i].known.size == sizeof more[0]);
+    for (int k = 0; k < 3; ++k) CHECK(more[i].of_the_future[k] == 0);
+  }
+  CHECK(more[3].of_the_future[2] == UINT64_C(0xa5a5a5a5a5a5a5a5));
 }
 
 int main(void) {
@@ -107,7 +138,7 @@ int main(void) {
 
   memset(&new, 0, sizeof new);
   new.known.size = sizeof new;
-  new.known.flags = CARGOBAY_NO_CONFIG;
+  new.known.flags = CARGOBAY_FLAG_NO_CONFIG;
   new.known.sim = sim;
   new.of_the_future = 1;
   CHECK_FAILS(cargobay_open(&new.known, &robot), CARGOBAY_E_ARGUMENT, "newer library");
@@ -118,7 +149,7 @@ int main(void) {
   /* What follows it is not looked at. */
   memset(&old, 0xa5, sizeof old);
   old.size = offsetof(struct short_options, not_the_librarys);
-  old.flags = CARGOBAY_NO_CONFIG;
+  old.flags = CARGOBAY_FLAG_NO_CONFIG;
   old.port = NULL;
   old.sim = sim;
   CHECK(cargobay_open((const struct cargobay_options*)(const void*)&old, &robot) == CARGOBAY_OK);
@@ -139,6 +170,7 @@ int main(void) {
   CHECK(more.known.tick == less.tick && more.known.size == sizeof more);
   for (int i = 0; i < 3; ++i) CHECK(more.of_the_future[i] == 0);
 
+  history_has_the_callers_size(robot);
   more.known.size = 3;
   CHECK_FAILS(cargobay_get_state(robot, &more.known), CARGOBAY_E_ARGUMENT, "`size`");
   have_an_upper_bound(sim, robot);

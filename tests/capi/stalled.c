@@ -3,7 +3,6 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -28,17 +27,18 @@ struct hung {
   enum hang how;
 };
 
-static void does_not_return(void* context, const struct cargobay_state* state,
-                            struct cargobay_wheels* wheels) {
+static int does_not_return(void* context, const struct cargobay_state* state,
+                           struct cargobay_output* output) {
   struct hung* self = context;
-  wheels->left_mm_s = wheels->right_mm_s = 200.0;
-  if (state->tick < 30) return;
+  output->wheels.left_mm_s = output->wheels.right_mm_s = 200.0;
+  if (state->tick < 30) return 0;
   atomic_store(&self->inside, true);
   if (self->how == kEndThread) pthread_exit(NULL);
   while (!atomic_load(&self->let_go)) {
     if (self->how == kSleep) usleep(1000);
   }
   atomic_store(&self->returned, true);
+  return 0;
 }
 
 struct drive {
@@ -47,17 +47,17 @@ struct drive {
   struct hung* hung;
 };
 
-static struct drive begin(enum hang how, uint32_t flags, uint32_t guard_deadline_ms) {
+static struct drive begin(enum hang how, uint32_t flags, int64_t guard_deadline_ns) {
   struct drive drive;
   SIZED(cargobay_options, options);
   drive.hung = calloc(1, sizeof *drive.hung);
   CHECK(drive.hung != NULL);
   drive.hung->how = how;
   CHECK(cargobay_sim_open(NULL, &drive.sim) == CARGOBAY_OK);
-  options.flags = CARGOBAY_NO_CONFIG | flags;
+  options.flags = CARGOBAY_FLAG_NO_CONFIG | flags;
   options.sim = drive.sim;
   options.priority = 10;
-  options.guard_deadline_ms = guard_deadline_ms;
+  options.guard_deadline_ns = guard_deadline_ns;
   CHECK(cargobay_open(&options, &drive.robot) == CARGOBAY_OK);
   CHECK(cargobay_set_control(drive.robot, does_not_return, drive.hung) == CARGOBAY_OK);
   CHECK(cargobay_start(drive.robot) == CARGOBAY_OK);
@@ -70,7 +70,7 @@ static void wait_until_inside(const struct drive* drive) {
 
 static void stands_in_passive(const struct drive* drive) {
   SIZED(cargobay_truth, truth);
-  CHECK(cargobay_sim_truth(drive->sim, &truth) == CARGOBAY_OK);
+  CHECK(cargobay_sim_get_truth(drive->sim, &truth) == CARGOBAY_OK);
   CHECK(truth.mode == CARGOBAY_MODE_PASSIVE);
   CHECK(truth.commanded_left_mm_s == 0 && truth.commanded_right_mm_s == 0);
 }
@@ -83,9 +83,10 @@ static void let_go(const struct drive* drive) {
   stands_in_passive(drive);
 }
 
-static int wait_for_the_end(struct cargobay_robot* robot) {
+static int wait_for_the_end(struct cargobay_robot* robot, struct cargobay_state* state) {
   int error = CARGOBAY_OK;
-  while (error == CARGOBAY_OK) error = cargobay_wait(robot, SECONDS(kGenerousBoundS), NULL);
+  while (error == CARGOBAY_OK)
+    error = cargobay_wait(robot, state->tick, SECONDS(kGenerousBoundS), state);
   return error;
 }
 
@@ -99,11 +100,15 @@ static int wait_for_the_end(struct cargobay_robot* robot) {
 /* A waiting thread is told, with or without a guard; then all calls end. */
 static void ends_every_call(enum hang how, uint32_t flags) {
   struct drive drive = begin(how, flags, 0);
-  ENDS_IN_TIME(wait_for_the_end(drive.robot), CARGOBAY_E_STALLED, "");
-  CHECK_FAILS(cargobay_wait(drive.robot, 0, NULL), CARGOBAY_E_STALLED, "");
-  ENDS_IN_TIME(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  SIZED(cargobay_end_report, end);
+  UNSEEN(state);
+  ENDS_IN_TIME(wait_for_the_end(drive.robot, &state), CARGOBAY_E_STALLED, "");
+  CHECK_FAILS(cargobay_wait(drive.robot, state.tick, 0, NULL), CARGOBAY_E_STALLED, "");
+  ENDS_IN_TIME(cargobay_end(drive.robot), CARGOBAY_E_STALLED, "has not returned");
   stands_in_passive(&drive);
-  CHECK_FAILS(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  CHECK_FAILS(cargobay_end(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  CHECK(cargobay_get_end(drive.robot, &end) == CARGOBAY_OK);
+  CHECK(end.ended == 1 && end.code == CARGOBAY_E_STALLED && strlen(end.message) > 20);
   ENDS_IN_TIME(cargobay_close(drive.robot), CARGOBAY_E_STALLED, "end the program");
   CHECK_FAILS(cargobay_close(drive.robot), CARGOBAY_E_HANDLE, "closed");
   if (how != kEndThread) let_go(&drive);
@@ -112,9 +117,9 @@ static void ends_every_call(enum hang how, uint32_t flags) {
 
 /* A late guard: the owner's own stop does not wait for it. */
 static void does_not_wait_for_a_slow_guard(void) {
-  struct drive drive = begin(kSleep, 0, 10000);
+  struct drive drive = begin(kSleep, 0, SECONDS(10));
   wait_until_inside(&drive);
-  ENDS_IN_TIME(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  ENDS_IN_TIME(cargobay_end(drive.robot), CARGOBAY_E_STALLED, "has not returned");
   stands_in_passive(&drive);
   CHECK(cargobay_close(drive.robot) == CARGOBAY_E_STALLED);
   let_go(&drive);
@@ -123,9 +128,9 @@ static void does_not_wait_for_a_slow_guard(void) {
 
 /* A thread that does come back leaves nothing behind. */
 static void frees_what_came_back(void) {
-  struct drive drive = begin(kSleep, CARGOBAY_NO_GUARD, 0);
+  struct drive drive = begin(kSleep, CARGOBAY_FLAG_NO_GUARD, 0);
   wait_until_inside(&drive);
-  CHECK_FAILS(cargobay_stop(drive.robot), CARGOBAY_E_STALLED, "has not returned");
+  CHECK_FAILS(cargobay_end(drive.robot), CARGOBAY_E_STALLED, "has not returned");
   let_go(&drive);
   CHECK(cargobay_close(drive.robot) == CARGOBAY_OK);
   struct cargobay_robot* robot = robot_of(drive.sim, 0); /* its port is free again */
@@ -134,18 +139,35 @@ static void frees_what_came_back(void) {
   free(drive.hung);
 }
 
+/* Changing it says so too; it is not called again, but its context stays. */
+static void is_not_waited_for_when_changed(void) {
+  struct drive drive = begin(kSleep, CARGOBAY_FLAG_NO_GUARD, SECONDS(0.15));
+  wait_until_inside(&drive);
+  ENDS_IN_TIME(cargobay_set_control(drive.robot, NULL, NULL), CARGOBAY_E_STALLED, "not returned");
+  atomic_store(&drive.hung->inside, false);
+  atomic_store(&drive.hung->let_go, true);
+  while (!atomic_load(&drive.hung->returned)) usleep(1000);
+  (void)cargobay_end(drive.robot);
+  CHECK(!atomic_load(&drive.hung->inside));
+  CHECK(cargobay_close(drive.robot) == CARGOBAY_OK);
+  stands_in_passive(&drive);
+  CHECK(cargobay_sim_close(drive.sim) == CARGOBAY_OK);
+  free(drive.hung);
+}
+
 static void* waits(void* context) {
   int* const error = malloc(sizeof *error);
+  UNSEEN(state);
   CHECK(error != NULL);
   do {
-    *error = cargobay_wait(context, -1, NULL);
+    *error = cargobay_wait(context, state.tick, -1, &state);
   } while (*error == CARGOBAY_OK);
   return error;
 }
 
 /* Closing alone does the same, even while another thread waits. */
 static void is_closed_under_a_waiting_thread(void) {
-  struct drive drive = begin(kSleep, CARGOBAY_NO_GUARD, 10000);
+  struct drive drive = begin(kSleep, CARGOBAY_FLAG_NO_GUARD, SECONDS(10));
   pthread_t thread;
   void* error = NULL;
   CHECK(pthread_create(&thread, NULL, waits, drive.robot) == 0);
@@ -153,7 +175,7 @@ static void is_closed_under_a_waiting_thread(void) {
   ENDS_IN_TIME(cargobay_close(drive.robot), CARGOBAY_E_STALLED, "end the program");
   stands_in_passive(&drive);
   CHECK(pthread_join(thread, &error) == 0);
-  CHECK(*(int*)error == CARGOBAY_E_STALLED || *(int*)error == CARGOBAY_E_STATE ||
+  CHECK(*(int*)error == CARGOBAY_E_STALLED || *(int*)error == CARGOBAY_ENDED ||
         *(int*)error == CARGOBAY_E_HANDLE);
   free(error);
   let_go(&drive);
@@ -162,7 +184,8 @@ static void is_closed_under_a_waiting_thread(void) {
 
 static void* steps(void* context) {
   struct cargobay_robot* robot = context;
-  while (cargobay_wait(robot, SECONDS(1), NULL) == CARGOBAY_OK) {
+  UNSEEN(state);
+  while (next_state(robot, &state) == CARGOBAY_OK) {
   }
   return NULL;
 }
@@ -179,7 +202,7 @@ static void is_closed_in_virtual_time(void) {
   CHECK(cargobay_start(drive.robot) == CARGOBAY_OK);
   CHECK(pthread_create(&thread, NULL, steps, drive.robot) == 0);
   wait_until_inside(&drive);
-  CHECK_FAILS(cargobay_stop(drive.robot), CARGOBAY_E_STATE, "another thread");
+  CHECK_FAILS(cargobay_end(drive.robot), CARGOBAY_E_THREAD, "another thread");
   ENDS_IN_TIME(cargobay_close(drive.robot), CARGOBAY_E_STALLED, "end the program");
   atomic_store(&drive.hung->let_go, true);
   CHECK(pthread_join(thread, NULL) == 0);
@@ -188,10 +211,11 @@ static void is_closed_in_virtual_time(void) {
 int main(void) {
   ends_every_call(kSleep, 0);
   ends_every_call(kSpin, 0);
-  ends_every_call(kSleep, CARGOBAY_NO_GUARD);
+  ends_every_call(kSleep, CARGOBAY_FLAG_NO_GUARD);
   ends_every_call(kEndThread, 0);
   does_not_wait_for_a_slow_guard();
   frees_what_came_back();
+  is_not_waited_for_when_changed();
   is_closed_under_a_waiting_thread();
   is_closed_in_virtual_time();
   return 0;

@@ -229,11 +229,11 @@ void commit(Way way) {
   }
 }
 
-rt::WheelSpeeds control(void* context, const hal::CycleState& /*state*/, double /*seconds*/)
+hal::ControlAnswer control(void* context, const hal::CycleState& /*state*/, double /*seconds*/)
     CARGOBAY_NONBLOCKING {
   auto& deed = *static_cast<Deed*>(context);
   if (--deed.frames == 0) rt::unchecked([&deed]() noexcept { commit(deed.way); });
-  return {300.0, 200.0};
+  return rt::WheelSpeeds{300.0, 200.0};
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ class RecordedDrive {
   ControlCycle& cycle() { return *cycle_; }
 
  private:
-  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/, double seconds)
+  static ControlAnswer control_of(void* context, const CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     // A test's own function, in virtual time: it may allocate.
     return rt::unchecked([=] { return static_cast<RecordedDrive*>(context)->control(seconds); });

@@ -58,7 +58,7 @@ class VirtualDrive {
   std::function<void(int frame, ControlCycle&)> on_frame{};
 
   // Drives by `target` (robot time in seconds to wheel speeds) for `frames` frames.
-  DriveResult run(int frames, std::function<rt::WheelSpeeds(double)> target,
+  DriveResult run(int frames, std::function<ControlAnswer(double)> target,
                   ControlCycle::Parameters parameters = {}) {
     target_ = std::move(target);
     frames_left_ = frames;
@@ -116,20 +116,20 @@ class VirtualDrive {
       result_.ticks.push_back({state, truths_[i]});
     }
   }
-  static rt::WheelSpeeds control_of(void* context, const CycleState& /*state*/, double seconds)
+  static ControlAnswer control_of(void* context, const CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     // A test's own function, in virtual time: it may allocate.
     return rt::unchecked(
         [context, seconds] { return static_cast<VirtualDrive*>(context)->control(seconds); });
   }
-  rt::WheelSpeeds control(double seconds) {
+  ControlAnswer control(double seconds) {
     truths_.push_back(truth_);
     if (on_frame) on_frame(static_cast<int>(truths_.size()), *cycle_);
     if (--frames_left_ <= 0) cycle_->request_stop();
     return target_(seconds);
   }
 
-  std::function<rt::WheelSpeeds(double)> target_;
+  std::function<ControlAnswer(double)> target_;
   int frames_left_ = 0;
   ControlCycle* cycle_ = nullptr;
   rt::WheelSpeeds truth_{};

@@ -14,10 +14,10 @@ usage() {
 architecture=$(dpkg --print-architecture)
 release=${2:-$(. /etc/os-release && echo "${VERSION_CODENAME:-}")}
 shopt -s nullglob
-packages=("$1"/*cargobay*_"$architecture".deb)
+packages=("$1"/*cargobay*_"$architecture".deb "$1"/python3-cargobay_*_all.deb)
 shopt -u nullglob
-((${#packages[@]} == 3)) ||
-  { echo "package_test.sh: $1 has ${#packages[@]} packages for $architecture, not 3" >&2; exit 2; }
+((${#packages[@]} == 4)) ||
+  { echo "package_test.sh: $1 has ${#packages[@]} packages for $architecture, not 4" >&2; exit 2; }
 (($(id -u) == 0)) || { echo "package_test.sh: needs root, for debootstrap and chroot" >&2; exit 1; }
 
 mirror=${CARGOBAY_MIRROR:-http://deb.debian.org/debian}
@@ -103,7 +103,7 @@ nothing_left() {
 }
 
 install='apt-get install -q -y --no-install-recommends /packages/*.deb'
-purge='apt-get purge -q -y --autoremove cargobay libcargobay-dev libcargobay0'
+purge='apt-get purge -q -y --autoremove cargobay python3-cargobay libcargobay-dev libcargobay0'
 
 # First, what the packages pull in themselves.
 step "package lists" inside 'apt-get update -q'
@@ -135,26 +135,28 @@ step "./first_drive, in C++" inside './first_drive'
 step "all examples by CMake" inside "rm -rf examples; cp -r $examples .
   cmake -S examples -B examples/build && cmake --build examples/build"
 step "all examples, on virtual Creates" inside 'ctest --test-dir examples/build --output-on-failure'
-for example in heading square; do
-  step "$example.py" inside "python3 /usr/share/doc/cargobay/examples/python/$example.py"
+for example in heading square teleop_and_back two_coroutines; do
+  step "$example.py" inside "python3 /usr/share/doc/python3-cargobay/examples/$example.py"
 done
+step "the Python package says its version" inside "python3 -c 'import cargobay, importlib.metadata
+assert importlib.metadata.version(\"cargobay\") == cargobay.version()'"
 cat > "$root/tmp/killed.py" << 'END'
 import subprocess, sys, time
-from cargobay import Mode, VirtualCreate
+from cargobay import Mode, Sim
 
 DRIVER = """
 import os, signal, sys
-from cargobay import Robot
-robot = Robot(sys.argv[1], use_config=False)
+from cargobay import Flag, Robot
+robot = Robot(sys.argv[1], flags=Flag.NO_CONFIG)
 robot.start()
 for state in robot.states(1.0):
     robot.drive(200.0, 0.0)
 os.kill(os.getpid(), signal.SIGKILL)
 """
-with VirtualCreate() as sim:
-    driver = subprocess.run([sys.executable, "-c", DRIVER, sim.path()])
+with Sim() as sim:
+    driver = subprocess.run([sys.executable, "-c", DRIVER, sim.path])
     time.sleep(1.0)
-    truth = sim.truth()
+    truth = sim.truth
     print(driver, truth)
     assert driver.returncode == -9 and truth.x_mm > 100.0
     assert truth.mode == Mode.PASSIVE and abs(truth.left_mm_s) < 10.0

@@ -7,18 +7,19 @@ usage: python_minute.py [SECONDS]; $CARGOBAY_LIBRARY and $CARGOBAY_GUARD as for 
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples/python"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "hal/python"))
 
 from cargobay import Robot  # noqa: E402
 
 with Robot() as robot:
     robot.start()
-    seen = 0
+    seen = skipped = 0
     for state in robot.states(float(sys.argv[1]) if len(sys.argv) > 1 else 60.0):
         robot.drive(150.0, -2.0 * state.heading_rad)
         seen += 1
-    counted = robot.statistics()
-    robot.stop()
-print(f"{seen} states seen of {counted.frames_good} frames; {counted.frames_bad} bad, "
-      f"{counted.frames_lost} lost; heading {state.heading_rad:.3f} rad")
+        skipped += state.skipped
+    counted = robot.statistics
+    robot.end()
+print(f"{seen} states seen of {counted.frames_good} frames, {skipped} skipped; "
+      f"{counted.frames_bad} bad, {counted.frames_lost} lost; heading {state.heading_rad:.3f} rad")
 sys.exit(counted.frames_lost + counted.frames_bad > 0 or abs(state.heading_rad) > 0.05)

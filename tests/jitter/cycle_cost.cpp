@@ -45,7 +45,7 @@ using Readings = std::vector<std::optional<rt::WheelEstimator::Reading>>;
 // Not a whole number of mm per tick, so that it matters what happens to the remainder.
 constexpr rt::WheelSpeeds kTarget{190.0, 190.0};
 
-rt::WheelSpeeds decide(void* /*context*/, const hal::CycleState& /*state*/, double /*seconds*/)
+hal::ControlAnswer decide(void* /*context*/, const hal::CycleState& /*state*/, double /*seconds*/)
     CARGOBAY_NONBLOCKING {
   return kTarget;
 }

@@ -21,7 +21,7 @@ from virtual_create import ALLOWANCE_S  # noqa: E402
 
 INTERFACES = ("command", "c", "cpp", "python")
 OWNERS = ("c", "cpp", "python")
-_STALLED = -11
+_STALLED = -21
 # How long cargobay_stop() may take by its header, with a margin for the machine.
 _BLOCKS_MS = 1000 + 1000
 

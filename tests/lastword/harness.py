@@ -130,7 +130,7 @@ def owner(create, interface, when, way, *more, environment=None, **options):
         "python": [sys.executable, str(SOURCE / "tests/lastword/owner.py")],
     }[interface]
     environment = {
-        "PYTHONPATH": str(SOURCE / "examples/python"),
+        "PYTHONPATH": str(SOURCE / "hal/python"),
         "CARGOBAY_LIBRARY": Build.path("libcargobay.so.0"),
         **(environment or {}),
     }

@@ -35,20 +35,22 @@ static int complain(const char* what, int code) {
   return 1;
 }
 
-static void control(void* context, const struct cargobay_state* state,
-                    struct cargobay_wheels* wheels) {
+static int control(void* context, const struct cargobay_state* state,
+                   struct cargobay_output* output) {
   (void)context;
   (void)state;
   while (endless) {
   }
-  wheels->left_mm_s = wheels->right_mm_s = 200.0;
+  output->wheels.left_mm_s = output->wheels.right_mm_s = 200.0;
+  return 0;
 }
 
 /* Drives until that many frames have come, or the loop has ended; returns the last code. */
 static int drive(int frames, int* driven) {
+  static struct cargobay_state state = {.size = sizeof state, .tick = -1};
   for (*driven = 0; *driven < frames; ++*driven) {
     int error = has_control ? 0 : cargobay_drive(robot, 200.0, 0.0);
-    if (error == 0) error = cargobay_wait(robot, 1000000000, NULL);
+    if (error == 0) error = cargobay_wait(robot, state.tick, 1000000000, &state);
     if (error != 0) return error;
   }
   return 0;
@@ -57,7 +59,7 @@ static int drive(int frames, int* driven) {
 /* Stops and closes properly. */
 static int finish(void) {
   double begin = now_ms();
-  const int stopped = cargobay_stop(robot);
+  const int stopped = cargobay_end(robot);
   printf("stop %d %.0f\n", stopped, now_ms() - begin);
   if (stopped != 0) (void)complain("stop", stopped);
   begin = now_ms();
@@ -166,7 +168,7 @@ int main(int argc, char** argv) {
   const struct rlimit no_core = {0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const struct cargobay_options options = {
-      .size = sizeof options, .flags = CARGOBAY_NO_CONFIG, .port = argv[1]};
+      .size = sizeof options, .flags = CARGOBAY_FLAG_NO_CONFIG, .port = argv[1]};
   int code = cargobay_open(&options, &robot);
   if (code != 0) return complain("open", code);
   say("open");

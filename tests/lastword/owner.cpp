@@ -24,9 +24,13 @@ void say(const char* what, int code, int number) {
   std::fflush(stdout);
 }
 
-template <typename T>
-int complain(const char* what, const cargobay::Expected<T>& outcome) {
-  std::fprintf(stderr, "%s: %d: %s\n", what, outcome.code(), outcome.error().message);
+// The code as C has it; 0 for success.
+int code_of(const cargobay::Expected<void>& outcome) {
+  return outcome ? 0 : static_cast<int>(outcome.error().code);
+}
+
+int complain(const char* what, const cargobay::Error& error) {
+  std::fprintf(stderr, "%s: %d: %s\n", what, static_cast<int>(error.code), error.message);
   return 1;
 }
 
@@ -39,19 +43,20 @@ cargobay::Wheels control(const cargobay::State& /*state*/) {
 
 int finish(cargobay::Robot& robot) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto stopped = robot.stop();
+  const auto stopped = robot.end();
   const auto took = std::chrono::steady_clock::now() - begin;
-  say("stop", stopped.code(),
+  say("stop", code_of(stopped),
       static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(took).count()));
-  return stopped ? 0 : complain("stop", stopped);
+  return stopped ? 0 : complain("stop", stopped.error());
 }
 
 int until_the_end(cargobay::Robot& robot) {
   int frames = 0;
-  auto waited = robot.wait(std::chrono::seconds{1});
-  for (; waited && frames < 2000; ++frames) waited = robot.wait(std::chrono::seconds{1});
-  say("wait", waited.code(), frames);
-  if (!waited) (void)complain("wait", waited);
+  auto states = robot.states(std::chrono::seconds{1});
+  for (auto state = states.begin(); state != states.end() && frames < 2000; ++state) ++frames;
+  const auto waited = states.outcome();
+  say("wait", code_of(waited), frames);
+  if (!waited) (void)complain("wait", waited.error());
   return finish(robot) == 0 && waited ? 0 : 1;
 }
 
@@ -76,18 +81,18 @@ int main(int argc, char** argv) {
   if (argc < 4) return 2;
   const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  auto robot = cargobay::Robot::open({.flags = CARGOBAY_NO_CONFIG, .port = argv[1]});
-  if (!robot) return complain("open", robot);
+  auto robot = cargobay::Robot::open({.flags = cargobay::Flag::no_config, .port = argv[1]});
+  if (!robot) return complain("open", robot.error());
   std::puts("open");
   std::fflush(stdout);
   if (std::string_view{argv[2]} == "driving") {
-    if (const auto set = robot->control(control); !set) return complain("control", set);
-    if (const auto started = robot->start(); !started) return complain("start", started);
-    for (int frame = 0; frame < 40; ++frame) {
-      if (const auto waited = robot->wait(std::chrono::seconds{1}); !waited) {
-        return complain("wait", waited);
-      }
+    if (auto set = robot->set_control(control); !set) return complain("control", set.error());
+    if (auto started = robot->start(); !started) return complain("start", started.error());
+    auto states = robot->states(std::chrono::seconds{1});
+    for (const cargobay::State& state : states) {
+      if (state.tick >= 40) break;
     }
+    if (auto waited = states.outcome(); !waited) return complain("wait", waited.error());
     std::puts("driving");
     std::fflush(stdout);
   }

@@ -9,7 +9,7 @@ import resource
 import sys
 import time
 
-from cargobay import CargobayError, Robot
+from cargobay import Error, Flag, Robot, Wheels
 
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 port, when, way = sys.argv[1:4]
@@ -25,18 +25,19 @@ def control(state):
         pass
     if deed == "raise_in_control":
         raise RuntimeError("the controller has a bug")
-    return (200.0, 200.0)
+    return Wheels(200.0, 200.0)
 
 
 def until_the_end(robot):
     frames, code = 0, 0
     try:
-        while frames < 2000:
+        for _ in robot.states():
             if way not in ("endless", "raise_in_control"):
                 robot.drive(200.0, 0.0)
-            robot.wait(1.0)
             frames += 1
-    except CargobayError as error:
+            if frames == 2000:
+                break
+    except Error as error:
         code = error.code
         print(f"wait: {error}", file=sys.stderr)
     say("wait", int(code), frames)
@@ -45,11 +46,11 @@ def until_the_end(robot):
 
 def finish(robot):
     result = 0
-    for name in ("stop", "close"):
+    for name, call in (("stop", robot.end), ("close", robot.close)):
         begin, code = time.monotonic(), 0
         try:
-            getattr(robot, name)()
-        except CargobayError as error:
+            call()
+        except Error as error:
             code, result = error.code, 1
             print(f"{name}: {error}", file=sys.stderr)
         say(name, int(code), round(1e3 * (time.monotonic() - begin)))
@@ -60,12 +61,12 @@ class Controller:
     """Holds a robot that calls it: a circle."""
 
     def __init__(self):
-        self.robot = Robot(port, use_config=False)
+        self.robot = Robot(port, flags=Flag.NO_CONFIG)
         self.robot.set_control(self.decide)
         self.robot.start()
 
     def decide(self, state):
-        return (200.0, 200.0)
+        return Wheels(200.0, 200.0)
 
 
 if way == "cycle":
@@ -75,16 +76,17 @@ if way == "cycle":
     del controller
     sys.exit(0)
 
-robot = Robot(port, use_config=False)
+robot = Robot(port, flags=Flag.NO_CONFIG)
 say("open")
 if when == "driving":
     if way in ("endless", "raise_in_control"):
         robot.set_control(control)
     robot.start()
-    for _ in range(40):
+    for state in robot.states():
         if way not in ("endless", "raise_in_control"):
             robot.drive(200.0, 0.0)
-        robot.wait(1.0)
+        if state.tick >= 40:
+            break
     say("driving")
 if way == "exit":
     sys.exit(3)

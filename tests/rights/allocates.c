@@ -25,21 +25,22 @@ static const char* allocate(void) {
 }
 
 int main(void) {
-  struct cargobay_options options = {.size = sizeof options, .flags = CARGOBAY_NO_CONFIG};
+  struct cargobay_options options = {.size = sizeof options, .flags = CARGOBAY_FLAG_NO_CONFIG};
+  struct cargobay_state state = {.size = sizeof state, .tick = -1};
   struct cargobay_robot* robot = NULL;
   const char* wrong = NULL;
   char missing[1500];
   int error = cargobay_open(&options, &robot);
   if (error == 0) error = cargobay_start(robot);
-  if (error == 0 && cargobay_missing_rights(robot, missing, sizeof missing) > 0)
+  if (error == 0 && cargobay_get_missing_rights(robot, missing, sizeof missing) > 0)
     fputs(missing, stderr);
   for (int frame = 0; frame < kFrames && error == 0 && wrong == NULL; ++frame) {
     error = cargobay_drive(robot, 200.0, 0.0);
-    if (error == 0) error = cargobay_wait(robot, 1000000000, NULL);
+    if (error == 0) error = cargobay_wait(robot, state.tick, 1000000000, &state);
     if (frame % 20 == 10) wrong = allocate();
   }
   if (wrong != NULL) fprintf(stderr, "%s\n", wrong);
-  if (error == 0) error = cargobay_stop(robot); /* fails unless it is seen to be Passive */
+  if (error == 0) error = cargobay_end(robot); /* fails unless it is seen to be Passive */
   if (error != 0) fprintf(stderr, "%s\n", cargobay_error_message());
   cargobay_close(robot);
   return error != 0 || wrong != NULL;

@@ -86,8 +86,8 @@ class Rights(unittest.TestCase):
         for name in ("cargobay", "cargobay-guard", "libcargobay.so.0",
                      "examples/example_first_drive_c", "tests/rights_allocates"):
             shutil.copy(BUILD / name, cls.folder)
-        for name in ("cargobay.py", "heading.py"):
-            shutil.copy(ROOT / "examples/python" / name, cls.folder)
+        shutil.copytree(ROOT / "hal/python", pathlib.Path(cls.folder, "python"))
+        shutil.copy(ROOT / "examples/python/heading.py", cls.folder)
 
     @classmethod
     def tearDownClass(cls):
@@ -99,6 +99,7 @@ class Rights(unittest.TestCase):
         done = container.run(*words, *command[1:], LD_LIBRARY_PATH=self.folder,
                              CARGOBAY_LIBRARY=self.folder + "/libcargobay.so.0",
                              CARGOBAY_GUARD=self.folder + "/cargobay-guard",
+                             PYTHONPATH=self.folder + "/python",
                              PYTHONDONTWRITEBYTECODE="1")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done

@@ -47,7 +47,7 @@ struct Counted {
   bool guarded = false;
   Calls calls{};
 
-  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/, double seconds)
+  static ControlAnswer control(void* context, const CycleState& /*state*/, double seconds)
       CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Counted*>(context);
     ++self.frame;

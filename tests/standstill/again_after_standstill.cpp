@@ -25,9 +25,12 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <latch>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -60,14 +63,15 @@ void go_first() {
 }
 
 // How much later than requested a processor lets its first thread continue.
-void watch_processor(unsigned processor) {
+void watch_processor(unsigned processor, std::latch& watching) {
   cpu_set_t mine;
   CPU_ZERO(&mine);
   CPU_SET(processor, &mine);
   (void)pthread_setaffinity_np(pthread_self(), sizeof mine, &mine);  // a cpuset may forbid it
   go_first();
-  for (;;) {
+  for (bool first = true;; first = false) {
     const Clock::time_point due = Clock::now() + kBetweenLooks;
+    if (first) watching.count_down();  // not looked at again: it lives no longer
     std::this_thread::sleep_until(due);
     stood_still_since(due);
   }
@@ -88,10 +92,13 @@ void watch_terminal(int master, int slave) {
   }
 }
 
+// Returns once each processor is watched: what is run next may stop this program at once.
 void start_watches() {
   const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
+  std::latch watching{static_cast<std::ptrdiff_t>(processors)};
   for (unsigned processor = 0; processor < processors; ++processor)
-    std::thread{watch_processor, processor}.detach();
+    std::thread{watch_processor, processor, std::ref(watching)}.detach();
+  watching.wait();
   int master = -1;
   int slave = -1;
   termios raw{};

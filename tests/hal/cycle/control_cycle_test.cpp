@@ -400,5 +400,72 @@ TEST_F(Setpoints, AreRefusedOutOfRange) {
   EXPECT_TRUE(cycle_.set_speeds({500.0, -500.0}));
 }
 
+ControlCycle::Parameters gentle() {
+  ControlCycle::Parameters parameters;
+  parameters.loop.limits = {.acceleration_mm_s2 = 100.0, .jerk_mm_s3 = 1000.0};
+  return parameters;
+}
+
+// 200 mm/s after 2 s; then nobody steers.
+TEST(ControlCycle, BrakesWhereNobodySteersHoweverGentleItsLimits) {
+  using Kind = ControlAnswer::Kind;
+  const double kBad = std::numeric_limits<double>::infinity();
+  for (const ControlAnswer& then : {ControlAnswer{Kind::stand}, ControlAnswer{Kind::setpoint},
+                                    ControlAnswer{rt::WheelSpeeds{kBad, 0.0}}}) {
+    VirtualDrive drive{sim::Parameters{}};
+    const DriveResult result = drive.run(
+        220, [&](double seconds) { return seconds < 2.5 ? ControlAnswer{forward(seconds)} : then; },
+        gentle());
+    ASSERT_EQ(result.end, CycleEnd::asked);
+    int braking = 0;
+    for (const test::Tick& tick : result.ticks) {
+      const bool steered = !tick.state.setpoint_lapsed;
+      if (!steered && tick.state.set.left_mm_s > 0.0) ++braking;
+    }
+    EXPECT_GT(braking, 10);
+    EXPECT_LE(braking, 14) << "200 mm/s at 1000 mm/s^2 are 13.3 ticks";
+    EXPECT_EQ(result.ticks.back().state.set, rt::WheelSpeeds{});
+  }
+}
+
+TEST(ControlCycle, EndsWhenItsControlFunctionHasFinished) {
+  VirtualDrive drive{sim::Parameters{}};
+  const DriveResult result = drive.run(1000, [](double seconds) {
+    return seconds < 1.0 ? ControlAnswer{forward(seconds)}
+                         : ControlAnswer{ControlAnswer::Kind::finish};
+  });
+  EXPECT_EQ(result.end, CycleEnd::asked);
+  EXPECT_LT(result.ticks.size(), 70U);
+  EXPECT_EQ(result.commands.back().command, sim::WheelSpeeds{});
+}
+
+TEST(ControlCycle, EndsWhenItsControlFunctionHasFailed) {
+  VirtualDrive drive{sim::Parameters{}};
+  const DriveResult result = drive.run(1000, [](double seconds) {
+    return seconds < 1.0 ? ControlAnswer{forward(seconds)}
+                         : ControlAnswer{ControlAnswer::Kind::fail};
+  });
+  EXPECT_EQ(result.end, CycleEnd::control_failed);
+  EXPECT_EQ(result.commands.back().command, sim::WheelSpeeds{});
+}
+
+TEST(ControlCycle, FollowsSetpointsWhereItsControlFunctionAsksForThem) {
+  VirtualDrive drive{sim::Parameters{}};
+  drive.on_frame = [](int frame, ControlCycle& cycle) {
+    if (frame >= 20 && frame < 150) {
+      EXPECT_TRUE(cycle.set_speeds({150.0, 150.0}));
+    }
+    if (frame == 150) cycle.stand_still();
+  };
+  const DriveResult result =
+      drive.run(200, [](double) { return ControlAnswer{ControlAnswer::Kind::setpoint}; });
+  EXPECT_TRUE(result.ticks[10].state.setpoint_lapsed);
+  EXPECT_FALSE(result.ticks[100].state.setpoint_lapsed);
+  EXPECT_EQ(result.ticks[100].state.target, (rt::WheelSpeeds{150.0, 150.0}));
+  EXPECT_TRUE(result.ticks[150].state.setpoint_lapsed);
+  EXPECT_EQ(result.ticks.back().state.set, rt::WheelSpeeds{});
+  EXPECT_TRUE(result.events.empty()) << "a stop that was asked for is no event";
+}
+
 }  // namespace
 }  // namespace cargobay::hal

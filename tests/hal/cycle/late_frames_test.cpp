@@ -68,7 +68,7 @@ struct Driver {
   const Setup* setup = nullptr;
   std::uint64_t last_tick = 0;
   ControlCycle* cycle = nullptr;
-  static rt::WheelSpeeds control(void* context, const CycleState& /*state*/, double /*seconds*/)
+  static ControlAnswer control(void* context, const CycleState& /*state*/, double /*seconds*/)
       CARGOBAY_NONBLOCKING {
     const auto& self = *static_cast<Driver*>(context);
     rt::unchecked([&self] { self.at_a_frame(); });

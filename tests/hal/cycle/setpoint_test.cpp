@@ -54,5 +54,23 @@ TEST(Setpoint, KeepsTheFormerWhereTheNextIsRefused) {
   EXPECT_EQ(setpoint.speeds(), (rt::WheelSpeeds{200.0, 200.0}));
 }
 
+TEST(Setpoint, ThatWasRevokedNoLongerCountsAndIsNotReported) {
+  Setpoint setpoint{500ms};
+  ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+  EXPECT_EQ(setpoint.see(at(0ms)), Age::alive);
+  setpoint.revoke();
+  EXPECT_EQ(setpoint.see(at(15ms)), Age::lapsed);
+  EXPECT_EQ(setpoint.see(at(600ms)), Age::lapsed) << "it does not lapse again";
+}
+
+TEST(Setpoint, CountsIfItWasPutAfterTheRevocation) {
+  Setpoint setpoint{500ms};
+  ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+  setpoint.revoke();
+  ASSERT_TRUE(setpoint.put({100.0, 100.0}));  // before the tick that would have seen it
+  EXPECT_EQ(setpoint.see(at(15ms)), Age::alive);
+  EXPECT_EQ(setpoint.speeds(), (rt::WheelSpeeds{100.0, 100.0}));
+}
+
 }  // namespace
 }  // namespace cargobay::hal

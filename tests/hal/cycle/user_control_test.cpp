@@ -10,13 +10,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
+using Refusal = UserControl::Refusal;
+
 constexpr UserControl::Limits kControlLimits{.tick = 15ms, .budget = 2ms, .overruns_allowed = 2};
 
 // Returns what it is told to, and records the time that it was given.
 struct Program {
-  rt::WheelSpeeds answer{};
+  ControlAnswer answer{rt::WheelSpeeds{}};
   double seconds = -1.0;
-  static rt::WheelSpeeds control(void* context, const CycleState&, double seconds)
+  static ControlAnswer control(void* context, const CycleState&, double seconds)
       CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Program*>(context);
     self.seconds = seconds;
@@ -32,23 +34,32 @@ class UserControlTest : public testing::Test {
 };
 
 TEST_F(UserControlTest, IsGivenRobotTime) {
-  program_.answer = {100.0, 200.0};
-  const UserControl::Answer answer = control_.ask({.tick = 200});
+  program_.answer = rt::WheelSpeeds{100.0, 200.0};
+  const ControlAnswer answer = control_.ask({.tick = 200});
   EXPECT_DOUBLE_EQ(program_.seconds, 3.0);
-  EXPECT_EQ(answer.speeds, (rt::WheelSpeeds{100.0, 200.0}));
-  EXPECT_FALSE(answer.refused);
+  EXPECT_EQ(answer.speeds(), (rt::WheelSpeeds{100.0, 200.0}));
+  EXPECT_EQ(control_.refusal(), Refusal::none);
 }
 
 TEST_F(UserControlTest, RefusesWhatNoRobotFollowsAndReportsTheFirstOfARow) {
   for (const double speed : {500.5, -500.5, std::numeric_limits<double>::quiet_NaN()}) {
-    program_.answer = {0.0, speed};
-    const UserControl::Answer first = control_.ask({});
-    EXPECT_TRUE(first.refused && first.first) << speed;
-    EXPECT_EQ(first.speeds, rt::WheelSpeeds{});
-    const UserControl::Answer second = control_.ask({});
-    EXPECT_TRUE(second.refused && !second.first) << speed;
-    program_.answer = {500.0, -500.0};
-    EXPECT_FALSE(control_.ask({}).refused);
+    program_.answer = rt::WheelSpeeds{0.0, speed};
+    EXPECT_EQ(control_.ask({}).kind(), ControlAnswer::Kind::stand);
+    EXPECT_EQ(control_.refusal(), Refusal::first) << speed;
+    EXPECT_EQ(control_.ask({}).kind(), ControlAnswer::Kind::stand);
+    EXPECT_EQ(control_.refusal(), Refusal::another) << speed;
+    program_.answer = rt::WheelSpeeds{500.0, -500.0};
+    EXPECT_EQ(control_.ask({}).speeds(), (rt::WheelSpeeds{500.0, -500.0}));
+    EXPECT_EQ(control_.refusal(), Refusal::none);
+  }
+}
+
+TEST_F(UserControlTest, PassesOnWhatIsNoSpeed) {
+  using Kind = ControlAnswer::Kind;
+  for (const Kind kind : {Kind::setpoint, Kind::stand, Kind::finish, Kind::fail}) {
+    program_.answer = kind;
+    EXPECT_EQ(control_.ask({}).kind(), kind);
+    EXPECT_EQ(control_.refusal(), Refusal::none);
   }
 }
 

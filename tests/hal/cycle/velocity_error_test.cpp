@@ -130,7 +130,7 @@ class Drive {
   }
 
  private:
-  static rt::WheelSpeeds control(void* context, const CycleState& state, double /*seconds*/)
+  static ControlAnswer control(void* context, const CycleState& state, double /*seconds*/)
       CARGOBAY_NONBLOCKING {
     auto& self = *static_cast<Drive*>(context);
     self.judge(state.estimate);

@@ -243,7 +243,7 @@ TEST(RecordingFormat, RefusesWhatIsOutOfRange) {
   EXPECT_TRUE(refused({8, 0})) << "a kind";
   EXPECT_TRUE(refused({1, 3})) << "an outcome";
   EXPECT_FALSE(refused({6, 6}));
-  EXPECT_TRUE(refused({6, 7})) << "an end";
+  EXPECT_TRUE(refused({6, 8})) << "an end";
   EXPECT_FALSE(refused({3, 0xFF, 0x1F, 0})) << "the last errno";
   EXPECT_TRUE(refused({3, 0x80, 0x20, 0})) << "an errno";
   EXPECT_FALSE(refused({4, 0, 1, 1, 9}));

@@ -38,10 +38,10 @@ class RobotTest : public testing::Test {
     std::atomic<int> calls{0};
     std::function<void()> also{};  // instead of ending
 
-    static rt::WheelSpeeds control(void* context, const CycleState& /*state*/, double /*seconds*/)
+    static ControlAnswer control(void* context, const CycleState& /*state*/, double /*seconds*/)
         CARGOBAY_NONBLOCKING {
       rt::unchecked([context] { static_cast<Driver*>(context)->count_call(); });
-      return {200.0, 200.0};
+      return rt::WheelSpeeds{200.0, 200.0};
     }
     void count_call() {
       if (++calls != frames) return;

@@ -14,6 +14,7 @@
 #include "hal/config/settings.hpp"
 #include "hal/file/port_descriptor.hpp"
 #include "hal/sim/remote/control.hpp"
+#include "hal/sim/remote/control_socket.hpp"
 #include "oi/dialect.hpp"
 
 namespace cargobay::c {
@@ -21,20 +22,25 @@ namespace {
 
 using hal::sim::Device;
 
+constexpr double kNsPerS = 1e9;
+
 // Empty if everything is in range.
 std::string complaint(const cargobay_sim_options& options) {
-  if (options.time < CARGOBAY_SIM_REAL || options.time > CARGOBAY_SIM_VIRTUAL)
-    return "`time` must be CARGOBAY_SIM_REAL or CARGOBAY_SIM_VIRTUAL";
+  if (options.time < CARGOBAY_SIM_TIME_REAL || options.time > CARGOBAY_SIM_TIME_VIRTUAL)
+    return "`time` must be CARGOBAY_SIM_TIME_REAL or CARGOBAY_SIM_TIME_VIRTUAL";
   if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
     return "`remainder` must be one of enum cargobay_remainder";
   if (options.boot_baud != 0 && !oi::kCreate.baud_code(options.boot_baud))
     return "`boot_baud` must be one of the robot's rates: 57600, 19200, ...";
-  if (options.time == CARGOBAY_SIM_VIRTUAL && options.link != nullptr)
+  if (options.time == CARGOBAY_SIM_TIME_VIRTUAL && options.link != nullptr)
     return "in virtual time there is no pseudo-terminal to `link` to";
-  if (options.lag_s != 0.0 && !hal::kLagS.contains(options.lag_s))
-    return "`lag_s` must be " + hal::kLagS.words() + ", or 0 for the default";
-  if (!hal::kDroop.contains(options.droop_left) || !hal::kDroop.contains(options.droop_right))
-    return "`droop_left` and `droop_right` must be " + hal::kDroop.words();
+  const hal::Range lag_ns = hal::kLagS.times(kNsPerS);
+  if (options.lag_ns != 0 && !lag_ns.contains(static_cast<double>(options.lag_ns)))
+    return "`lag_ns` must be " + lag_ns.words() + ", or 0 for the default";
+  for (const double gain : {options.gain_left, options.gain_right}) {
+    if (gain != 0.0 && !hal::kDroop.contains(1.0 - gain))
+      return "`gain_left` and `gain_right` must be 0.1 to 1, or 0 for the default";
+  }
   if (!hal::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) || std::isnan(options.noise_mm_s))
     return "`noise_mm_s` must be " + hal::kNoiseMmS.words() + ", or negative for none";
   if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
@@ -48,9 +54,9 @@ hal::sim::Parameters parameters(const cargobay_sim_options& options) {
   if (options.remainder == CARGOBAY_REMAINDER_LOST) robot.remainder = hal::sim::Remainder::lost;
   if (options.boot_baud != 0) robot.boot_baud = options.boot_baud;
   hal::sim::WheelParameters& wheels = robot.wheels;
-  if (options.lag_s != 0.0) wheels.lag_s = options.lag_s;
-  if (options.droop_left != 0.0) wheels.droop_left = options.droop_left;
-  if (options.droop_right != 0.0) wheels.droop_right = options.droop_right;
+  if (options.lag_ns != 0) wheels.lag_s = static_cast<double>(options.lag_ns) / kNsPerS;
+  if (options.gain_left != 0.0) wheels.droop_left = 1.0 - options.gain_left;
+  if (options.gain_right != 0.0) wheels.droop_right = 1.0 - options.gain_right;
   if (options.noise_mm_s != 0.0) wheels.noise_mm_s = std::max(options.noise_mm_s, 0.0);
   if (options.wheel_base_mm != 0.0) wheels.wheel_base_mm = options.wheel_base_mm;
   return robot;
@@ -59,12 +65,14 @@ hal::sim::Parameters parameters(const cargobay_sim_options& options) {
 int start_in_real_time(const cargobay_sim_options& options, SimObject& sim) {
   auto server = hal::sim::Server::open(parameters(options),
                                        {.link = options.link != nullptr ? options.link : ""});
-  if (!server) return fail(CARGOBAY_E_SYSTEM, server.failure());
+  if (!server) {
+    return fail(options.link != nullptr ? CARGOBAY_E_FILE : CARGOBAY_E_LIMIT, server.failure());
+  }
   sim.server = std::move(*server);
   sim.server->with_device([&sim](Device& device) { hal::sim::inhabit(device, sim.world); });
   if (const std::error_code error = sim.server->start(); error) {
-    return fail(CARGOBAY_E_SYSTEM, "cannot start the thread of the virtual Create: " +
-                                       error.message() + "; raise the limit of threads");
+    return fail(CARGOBAY_E_LIMIT, "cannot start the thread of the virtual Create: " +
+                                      error.message() + "; raise the limit of threads");
   }
   return CARGOBAY_OK;
 }
@@ -81,18 +89,18 @@ int open_sim(const cargobay_sim_options& options, cargobay_sim** handle) {
   hal::sim::World world;
   if (options.world != nullptr) {
     auto loaded = hal::sim::World::load(options.world);
-    if (!loaded) return fail(CARGOBAY_E_CONFIG, loaded.failure());
+    if (!loaded) return fail(CARGOBAY_E_FILE, loaded.failure());
     world = std::move(*loaded);
   }
   auto sim = std::make_unique<SimObject>(std::move(world));
-  if (options.time == CARGOBAY_SIM_VIRTUAL) {
+  if (options.time == CARGOBAY_SIM_TIME_VIRTUAL) {
     start_in_virtual_time(options, *sim);
   } else if (const int failed = start_in_real_time(options, *sim); failed != 0) {
     return failed;
   }
   *handle = static_cast<cargobay_sim*>(sims().open(std::move(sim)));
   if (*handle == nullptr)
-    return fail(CARGOBAY_E_SYSTEM, "64 virtual Creates are open; close those that are not used");
+    return fail(CARGOBAY_E_LIMIT, "64 virtual Creates are open; close those that are not used");
   return CARGOBAY_OK;
 }
 
@@ -113,7 +121,7 @@ cargobay_truth truth_of(const hal::sim::Cable& cable) {
   const hal::sim::Truth truth = device.truth();
   cargobay_truth known{};
   known.mode = static_cast<std::int32_t>(device.mode());
-  known.time_ns = device.now().count();
+  known.sim_time_ns = device.now().count();
   known.left_mm_s = truth.speeds.left_mm_s;
   known.right_mm_s = truth.speeds.right_mm_s;
   known.x_mm = truth.pose.x_mm;
@@ -136,7 +144,7 @@ void SimObject::with_cable(const std::function<void(hal::sim::Cable&)>& change) 
 }
 
 SimTable& sims() {
-  static SimTable& table = *new SimTable;  // lives until the very end
+  static constinit SimTable table;  // as robots()
   return table;
 }
 
@@ -164,6 +172,7 @@ int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargoba
 }
 
 int cargobay_sim_close(struct cargobay_sim* sim) {
+  if (sim == nullptr) return CARGOBAY_OK;
   if (in_control()) return not_from_control("cargobay_sim_close");
   return guarded([&] {
     {
@@ -183,13 +192,13 @@ int cargobay_sim_close(struct cargobay_sim* sim) {
   });
 }
 
-int cargobay_sim_path(struct cargobay_sim* sim, char* path, size_t path_size) {
+int cargobay_sim_get_path(struct cargobay_sim* sim, char* path, size_t path_size) {
   if (path == nullptr) return bad_argument("`path` is NULL: give it room for the path");
   return guarded([&] {
     const auto use = sims().use(sim);
     if (!use) return bad_sim(sim);
     if (use->in_virtual_time()) {
-      return fail(CARGOBAY_E_STATE,
+      return fail(CARGOBAY_E_UNSUPPORTED,
                   "in virtual time there is no pseudo-terminal; open it in real time");
     }
     return copy_text(use->server->path(), path, path_size);
@@ -203,8 +212,10 @@ int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer
   return guarded([&] {
     const auto use = sims().use(sim);
     if (!use) return bad_sim(sim);
-    std::string said;
-    use->with_cable([&](Cable& cable) { said = cargobay::hal::sim::control(line, cable); });
+    // A served robot can lose its port as well.
+    const std::string said = use->in_virtual_time()
+                                 ? cargobay::hal::sim::control(line, use->link->cable())
+                                 : cargobay::hal::sim::control(line, *use->server);
     constexpr std::string_view kError = "error: ";
     if (said.starts_with(kError)) {
       return fail(CARGOBAY_E_ARGUMENT, said.substr(kError.size()));
@@ -213,7 +224,7 @@ int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer
   });
 }
 
-int cargobay_sim_truth(struct cargobay_sim* sim, struct cargobay_truth* truth) {
+int cargobay_sim_get_truth(struct cargobay_sim* sim, struct cargobay_truth* truth) {
   return guarded([&] {
     const auto use = sims().use(sim);
     if (!use) return bad_sim(sim);

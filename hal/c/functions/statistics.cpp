@@ -16,7 +16,7 @@ namespace {
 using HistogramTable = HandleTable<rt::Histogram, HandleKind::histogram>;
 
 HistogramTable& histograms() {
-  static HistogramTable& table = *new HistogramTable;
+  static constinit HistogramTable table;  // as robots()
   return table;
 }
 
@@ -24,14 +24,14 @@ int bad_histogram(const cargobay_histogram* histogram) noexcept {
   return bad_handle(histogram, HandleKind::histogram);
 }
 
-cargobay_statistics statistics_of(const RobotObject& object) {
-  const hal::CycleCounters counters = object.robot->cycle().counters();
-  const auto state = object.robot->cycle().state();
+cargobay_statistics statistics_of(const RobotObject& object, const Session& session) {
+  const hal::CycleCounters counters = session.robot->cycle().counters();
+  const auto state = session.robot->cycle().state();
   cargobay_statistics known{};
-  if (object.grant) {
-    known.scheduler = object.grant->fifo ? 1 : 0;
-    known.priority = object.grant->priority;
-    known.memory_locked = object.grant->memory_locked ? 1 : 0;
+  if (session.grant) {
+    known.scheduler = session.grant->fifo ? 1 : 0;
+    known.priority = session.grant->priority;
+    known.memory_locked = session.grant->memory_locked ? 1 : 0;
   }
   known.ticks = state ? state->tick : 0;
   known.frames_good = counters.frames.good;
@@ -45,7 +45,7 @@ cargobay_statistics statistics_of(const RobotObject& object) {
   known.controls_refused = counters.refused;
   known.commands_unsent = counters.unsent;
   known.commands_withheld = counters.withheld;
-  known.events_dropped = object.robot->cycle().events_dropped();
+  known.events = static_cast<std::uint64_t>(object.events.last());
   return known;
 }
 
@@ -75,19 +75,23 @@ extern "C" {
 int cargobay_get_statistics(struct cargobay_robot* robot, struct cargobay_statistics* statistics) {
   const RobotUse use = robots().use(robot);
   if (!use) return bad_robot(robot);
-  if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
-  return give(statistics_of(*use), statistics) ? static_cast<int>(CARGOBAY_OK)
-                                               : bad_argument(kBadOut);
+  const SessionUse session{*use};
+  if (!session) return no_session();
+  if (const int early = session->must_be_started(); early != CARGOBAY_OK) return early;
+  return give(statistics_of(*use, *session), statistics) ? static_cast<int>(CARGOBAY_OK)
+                                                         : bad_argument(kBadOut);
 }
 
-int cargobay_missing_rights(struct cargobay_robot* robot, char* text, size_t text_size) {
+int cargobay_get_missing_rights(struct cargobay_robot* robot, char* text, size_t text_size) {
   if (text == nullptr)
     return bad_argument("`text` is NULL: give it room; 1500 characters are enough");
   return guarded([&] {
     const RobotUse use = robots().use(robot);
     if (!use) return bad_robot(robot);
-    if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
-    const auto lines = use->grant ? cargobay::rt::explain(*use->grant) : std::string{};
+    const SessionUse session{*use};
+    if (!session) return no_session();
+    if (const int early = session->must_be_started(); early != CARGOBAY_OK) return early;
+    const auto lines = session->grant ? cargobay::rt::explain(*session->grant) : std::string{};
     return copy_text(lines, text, text_size);
   });
 }
@@ -99,11 +103,12 @@ int cargobay_histogram_open(struct cargobay_histogram** histogram) {
   return guarded([&] {
     *histogram = static_cast<cargobay_histogram*>(histograms().open(std::make_unique<Histogram>()));
     if (*histogram != nullptr) return static_cast<int>(CARGOBAY_OK);
-    return fail(CARGOBAY_E_SYSTEM, "64 histograms are open; close those that are not used");
+    return fail(CARGOBAY_E_LIMIT, "64 histograms are open; close those that are not used");
   });
 }
 
 int cargobay_histogram_close(struct cargobay_histogram* histogram) {
+  if (histogram == nullptr) return CARGOBAY_OK;
   return guarded([&] {
     const auto closed = histograms().close(histogram, [](Histogram&) { return true; });
     return closed ? static_cast<int>(CARGOBAY_OK) : bad_histogram(histogram);
@@ -128,8 +133,8 @@ int cargobay_histogram_get(struct cargobay_histogram* histogram,
   });
 }
 
-int cargobay_histogram_percentile(struct cargobay_histogram* histogram, double percent,
-                                  int64_t* time_ns) {
+int cargobay_histogram_get_percentile(struct cargobay_histogram* histogram, double percent,
+                                      int64_t* time_ns) {
   if (time_ns == nullptr) return bad_argument("`time_ns` is NULL: give the address of an int64_t");
   const bool sensible = percent >= 0.0 && percent <= 100.0;  // false for NaN
   if (!sensible) return bad_argument("`percent` must be 0 to 100");
@@ -149,10 +154,12 @@ int cargobay_copy_histogram(struct cargobay_robot* robot, int measure,
   return guarded([&] {
     const RobotUse use = robots().use(robot);
     if (!use) return bad_robot(robot);
-    if (const int early = use->must_be_started(); early != CARGOBAY_OK) return early;
+    const SessionUse session{*use};
+    if (!session) return no_session();
+    if (const int early = session->must_be_started(); early != CARGOBAY_OK) return early;
     const auto into = histograms().use(histogram);
     if (!into) return bad_histogram(histogram);
-    const cargobay::hal::ControlCycle& cycle = use->robot->cycle();
+    const cargobay::hal::ControlCycle& cycle = session.cycle();
     *into = measure == CARGOBAY_MEASURE_PERIOD ? cycle.period_ns().snapshot()
                                                : cycle.frame_to_command_ns().snapshot();
     return static_cast<int>(CARGOBAY_OK);

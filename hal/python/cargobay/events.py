@@ -1,0 +1,45 @@
+"""Events of a robot."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+from typing import Self
+
+from . import _structs as c
+from ._library import filled
+from .enums import Bump, EventKind, Hazard, Mode, Overcurrent
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened. Members that its kind does not name are 0. str() has it in words."""
+
+    kind: EventKind
+    sequence: int
+    tick: int
+    arrival_ns: int
+    mode: Mode = Mode.OFF
+    hazards: Hazard = Hazard(0)
+    overcurrents: Overcurrent = Overcurrent(0)
+    frames: int = 0
+    bumps: Bump = Bump(0)
+    voltage_mv: int = 0
+    charge_mah: int = 0
+    capacity_mah: int = 0
+    process: int = 0
+    process_name: str = ""
+
+    def __str__(self) -> str:
+        event = c.Event(**{field.name: getattr(self, field.name)
+                           for field in dataclasses.fields(self) if field.name != "process_name"})
+        event.process_name = self.process_name.encode(errors="surrogateescape")[:15]
+        return filled("describe_event", ctypes.byref(event), most=1024)
+
+    @classmethod
+    def _of(cls, event: c.Event) -> Self:
+        return cls(
+            EventKind(event.kind), event.sequence, event.tick, event.arrival_ns, Mode(event.mode),
+            Hazard(event.hazards), Overcurrent(event.overcurrents), event.frames,
+            Bump(event.bumps), event.voltage_mv, event.charge_mah, event.capacity_mah,
+            event.process, event.process_name.decode(errors="surrogateescape"))
