@@ -257,8 +257,10 @@ EndWords words_of(const Session& session, const hal::Robot::Farewell& farewell) 
   }
   const int code = code_of(farewell.end);
   if (farewell.end == hal::CycleEnd::control_failed) {
-    return {code, "the control function returned " + std::to_string(session.control_result.load()) +
-                      ", and the robot was stopped; what that means is the program's affair"};
+    return {
+        code,
+        "the control function returned " + std::to_string(session.control_result.load()) +
+            ", and the robot was stopped; look up what the program means by it, then start again"};
   }
   if (code != CARGOBAY_OK) return {code, hal::explain(farewell)};
   if (!farewell.robot.standing()) return {CARGOBAY_E_UNCONFIRMED, hal::explain(farewell)};

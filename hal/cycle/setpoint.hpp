@@ -31,13 +31,17 @@ class Setpoint {
 
   // Whatever has been put so far no longer counts; what is put later does.
   void revoke() CARGOBAY_NONBLOCKING {
-    revoked_.store(cell_.get().serial, std::memory_order_relaxed);
+    revoked_.store(cell_.get().serial, std::memory_order_release);  // pairs with see()
   }
 
   // Call once a tick. A setpoint that has lapsed stays lapsed until the next put().
   Age see(rt::TimePoint now) CARGOBAY_NONBLOCKING {
+    // In this order: the setpoint is the revoked one, or a later one.
+    std::uint32_t revoked = revoked_.load(std::memory_order_acquire);
     const std::uint32_t serial = cell_.get().serial;
-    if (serial == revoked_.load(std::memory_order_relaxed)) {
+    // Forgotten once it is seen: serial numbers come round again.
+    if (revoked != 0) revoked_.compare_exchange_strong(revoked, 0, std::memory_order_relaxed);
+    if (revoked == serial) {
       serial_ = serial;
       alive_ = false;
       return Age::lapsed;
@@ -62,8 +66,7 @@ class Setpoint {
 
  private:
   rt::SetpointCell cell_{};
-  // The serial number that was revoked; 0: that of no setpoint.
-  // Relaxed: there is nothing else to know.
+  // The serial number that was revoked and has not been seen yet; 0: none.
   std::atomic<std::uint32_t> revoked_{0};
   rt::Duration lapse_;
   rt::TimePoint since_{};

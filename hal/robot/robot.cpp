@@ -363,7 +363,9 @@ std::string explain_end(const Robot::Farewell& farewell) {
              "was stopped; do less in it, leave the rest to another thread, or raise "
              "control_budget";
     case CycleEnd::control_failed:
-      return "the control function failed, and the robot was stopped; what it returned says why";
+      return "the control function failed, and the robot was stopped; see in the program why it "
+             "did, "
+             "then start again";
     case CycleEnd::guard_lost:
       return std::string{kGuardLost} + ", and the robot was stopped; " + kGuardRemedy;
   }

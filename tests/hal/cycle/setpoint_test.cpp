@@ -72,5 +72,23 @@ TEST(Setpoint, CountsIfItWasPutAfterTheRevocation) {
   EXPECT_EQ(setpoint.speeds(), (rt::WheelSpeeds{100.0, 100.0}));
 }
 
+// The serial number has 24 bits, and leaves out 0.
+TEST(Setpoint, CountsWhereItHasTheNumberOfOneThatWasRevoked) {
+  for (const bool superseded : {false, true}) {
+    Setpoint setpoint{500ms};
+    ASSERT_TRUE(setpoint.put({200.0, 200.0}));
+    setpoint.revoke();
+    if (superseded) {
+      ASSERT_TRUE(setpoint.put({150.0, 150.0}));
+    }
+    (void)setpoint.see(at(0ms));
+    ASSERT_TRUE(setpoint.put({100.0, 100.0}));
+    EXPECT_EQ(setpoint.see(at(15ms)), Age::alive);
+    const int left = (1 << 24) - (superseded ? 3 : 2);
+    for (int i = 0; i < left; ++i) ASSERT_TRUE(setpoint.put({100.0, 100.0}));
+    EXPECT_EQ(setpoint.see(at(30ms)), Age::alive);
+  }
+}
+
 }  // namespace
 }  // namespace cargobay::hal
