@@ -216,8 +216,8 @@ struct cargobay_sim_options {
   const char* link;   /**< symbolic link to its pseudo-terminal; NULL: none. Real time only */
   const char* world; /**< file of walls, cliffs and beams (docs/virtual-create.md); NULL: a plain */
   int64_t lag_ns;    /**< time constant of the wheels, 1000000 to 10000000000; 0: 100000000 */
-  double gain_left;  /**< part of the command that the wheel reaches, 0.1 to 1; 0: 0.94 */
-  double gain_right; /**< the same for the right wheel, 0.1 to 1; 0: 0.9 */
+  double gain_left;  /**< part of the command that the wheel reaches, 0.1 to 1.5; 0: 0.94 */
+  double gain_right; /**< the same for the right wheel, 0.1 to 1.5; 0: 0.9 */
   double noise_mm_s; /**< standard deviation of a wheel's speed, 0 to 100; 0: 1; negative: none */
   double wheel_base_mm; /**< its true wheel base, 50 to 1000; 0: 258 */
 };

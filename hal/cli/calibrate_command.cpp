@@ -93,10 +93,10 @@ std::string table(const hal::CalibrationResult& result) {
   return fmt::format(
       "Wheel base   {:.1f} mm   (four turns within {:.1f} mm)\n"
       "Lag          {:.0f} ms\n"
-      "Droop        {:.1f} % left, {:.1f} % right   (the loop learns it by itself)\n"
+      "Gain         {:.3f} left, {:.3f} right   (the loop learns it by itself)\n"
       "Remainder    {}\n",
-      result.wheel_base_mm, result.wheel_base_spread_mm, 1e3 * result.lag_s,
-      1e2 * result.droop_left, 1e2 * result.droop_right, name(result.remainder));
+      result.wheel_base_mm, result.wheel_base_spread_mm, 1e3 * result.lag_s, result.gain_left,
+      result.gain_right, name(result.remainder));
 }
 
 std::string result_json(const hal::CalibrationResult& result) {
@@ -104,7 +104,7 @@ std::string result_json(const hal::CalibrationResult& result) {
       {"wheel_base_mm", result.wheel_base_mm},
       {"wheel_base_spread_mm", result.wheel_base_spread_mm},
       {"lag_s", result.lag_s},
-      {"droop", {{"left", result.droop_left}, {"right", result.droop_right}}},
+      {"gain", {{"left", result.gain_left}, {"right", result.gain_right}}},
       {"remainder", name(result.remainder)}};
   return text.dump(2) + "\n";
 }
@@ -232,7 +232,7 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = app.add_subcommand(
       "calibrate",
-      "Measure wheel base, lag and droop of the wheels and the kind of remainder, by driving a "
+      "Measure wheel base, lag and gain of the wheels and the kind of remainder, by driving a "
       "known\npattern: forward and back, then turns about each wheel. It needs half a metre of "
       "clear floor\naround the robot. Without --port, on a virtual Create of its own.");
   add_port_options(*command, options->port);

@@ -15,6 +15,7 @@
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
+#include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/line/server.hpp"
 #include "hal/sim/remote/control.hpp"
 #include "hal/sim/remote/control_socket.hpp"
@@ -219,6 +220,9 @@ std::string footer() {
     const std::string usage = fmt::format("{} {}", command.name, command.arguments);
     text += fmt::format("  {:<52}  {}\n", usage, command.meaning);
   }
+  text += "\nPlants, for --plant and the command plant:\n";
+  for (const hal::sim::Plant& plant : hal::sim::plants())
+    text += fmt::format("  {:<11}  {}\n", plant.name, plant.meaning);
   return text;
 }
 

@@ -133,7 +133,7 @@ Result<void> Calibration::measure_wheel_base(const Ways& ways, CalibrationResult
 
 // From the turns about each wheel, once the lag is over: the driven wheel goes twice as far as the
 // robot.
-Result<void> Calibration::measure_droop(const Ways& ways, CalibrationResult& result) const {
+Result<void> Calibration::measure_gain(const Ways& ways, CalibrationResult& result) const {
   constexpr double kLagOver = 2.0;  // seconds, even for the slowest
   double left_mm_s = 0.0;
   double right_mm_s = 0.0;
@@ -149,8 +149,8 @@ Result<void> Calibration::measure_droop(const Ways& ways, CalibrationResult& res
     }
     (leg.left != 0.0 ? left_mm_s : right_mm_s) += speed / 2.0;  // to and fro
   }
-  result.droop_left = 1.0 - left_mm_s / speed_mm_s_;
-  result.droop_right = 1.0 - right_mm_s / speed_mm_s_;
+  result.gain_left = left_mm_s / speed_mm_s_;
+  result.gain_right = right_mm_s / speed_mm_s_;
   return {};
 }
 
@@ -175,7 +175,7 @@ Result<CalibrationResult> Calibration::result(double delay_s) const {
     Ways ways;
     (void)estimate(parameters, &ways);
     if (const auto done = measure_wheel_base(ways, result); !done) return done.failure();
-    if (const auto done = measure_droop(ways, result); !done) return done.failure();
+    if (const auto done = measure_gain(ways, result); !done) return done.failure();
     parameters.wheel_base_mm = result.wheel_base_mm;
   }
   result.lag_s = parameters.lag_s;

@@ -1,7 +1,7 @@
 // What kind of robot this is, measured by driving a known pattern in open loop: wheel base, lag and
-// droop of the wheels, and what becomes of the remainder of distance and angle.
+// gain of the wheels, and what becomes of the remainder of distance and angle.
 //
-// Ahead and back for lag and droop; then turns about each wheel for the wheel base: with one wheel
+// Ahead and back for lag and gain; then turns about each wheel for the wheel base: with one wheel
 // still, the other travels twice the distance that the robot reports, and this travel divided by
 // the wheel base is the angle. No ruler is needed, and no estimate of anything else. At the end the
 // robot is about where it began.
@@ -26,8 +26,8 @@ struct CalibrationResult {
   double wheel_base_mm = 0.0;
   double wheel_base_spread_mm = 0.0;  // between the turns: greatest less least
   double lag_s = 0.0;
-  double droop_left = 0.0;  // fraction of the command by which the wheel falls short
-  double droop_right = 0.0;
+  double gain_left = 0.0;  // part of its command that the wheel reaches
+  double gain_right = 0.0;
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
 };
 
@@ -81,7 +81,7 @@ class Calibration {
   Way between(const Ways& ways, double from_s, double to_s) const;
   static double begin_of(std::size_t leg) CARGOBAY_NONBLOCKING;
   Result<void> measure_wheel_base(const Ways& ways, CalibrationResult& result) const;
-  Result<void> measure_droop(const Ways& ways, CalibrationResult& result) const;
+  Result<void> measure_gain(const Ways& ways, CalibrationResult& result) const;
 
   double speed_mm_s_;
   std::vector<Tick> ticks_{};

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "hal/sim/battery.hpp"
+#include "hal/sim/wheel_parameters.hpp"
 #include "oi/checksum.hpp"
 #include "oi/dialect.hpp"
 #include "oi/limits.hpp"
@@ -17,19 +18,6 @@ using rt::Remainder;
 
 inline constexpr double kAllAroundDeg = 360.0;
 inline constexpr rt::Duration kPowerOnTime = std::chrono::milliseconds{3500};  // deaf, booting
-
-struct WheelParameters {
-  double lag_s = 0.100;      // first-order lag from commanded to true speed; above 0
-  double droop_left = 0.06;  // part of the commanded speed that the wheel falls short by
-  double droop_right = 0.10;
-  double dead_band_mm_s = 10.0;   // commanded speeds below this do not turn the wheel
-  double counts_per_mm = 7.8324;  // of the encoders
-  double wheel_base_mm = oi::kCreate.wheel_base_mm;
-  // The speed that a turning wheel is driven at wanders: standard deviation and correlation time.
-  // If it is 0 mm/s the speed does not wander, and the seed does not matter.
-  double noise_mm_s = 1.0;
-  double noise_lag_s = 0.150;
-};
 
 // The state in which the robot is found.
 enum class PowerOn : std::uint8_t {

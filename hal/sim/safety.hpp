@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "hal/sim/inputs.hpp"
-#include "hal/sim/wheels.hpp"
+#include "hal/sim/pose.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal::sim {

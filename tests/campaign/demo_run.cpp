@@ -22,8 +22,8 @@ Parameters robot(std::uint64_t seed, double receiver_opening_deg) {
   Parameters parameters;
   parameters.seed = seed;
   parameters.wheels.lag_s = 0.05 + 0.1 * random.uniform();
-  parameters.wheels.droop_left = 0.12 * random.uniform();
-  parameters.wheels.droop_right = 0.12 * random.uniform();
+  parameters.wheels.gain_left = 1.0 - 0.12 * random.uniform();
+  parameters.wheels.gain_right = 1.0 - 0.12 * random.uniform();
   parameters.receiver_opening_deg = receiver_opening_deg;
   return parameters;
 }

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "hal/sim/wheels.hpp"
+#include "hal/sim/pose.hpp"
 #include "tests/campaign/random_room.hpp"
 
 namespace cargobay::campaign {

@@ -21,6 +21,7 @@
 #include "hal/cycle/cycle_parameters.hpp"
 #include "hal/cycle/cycle_state.hpp"
 #include "hal/guard/guard.hpp"
+#include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/robot/device.hpp"
@@ -87,9 +88,9 @@ std::vector<Setting> sim_options() {
       {"seed", {}, static_cast<double>(kSim.seed)},
       {"boot_baud", {}, kSim.boot_baud},
       {"lag_ns", kLagS.times(1e9), kSim.wheels.lag_s * 1e9},
-      {"gain_left", Range{1.0 - kDroop.most, 1.0}, 1.0 - kSim.wheels.droop_left},
-      {"gain_right", Range{1.0 - kDroop.most, 1.0}, 1.0 - kSim.wheels.droop_right},
-      {"noise_mm_s", kNoiseMmS, kSim.wheels.noise_mm_s},
+      {"gain_left", sim::kGain, kSim.wheels.gain_left},
+      {"gain_right", sim::kGain, kSim.wheels.gain_right},
+      {"noise_mm_s", sim::kNoiseMmS, kSim.wheels.noise_mm_s},
       {"wheel_base_mm", kWheelBaseMm, kSim.wheels.wheel_base_mm},
   };
 }
@@ -184,6 +185,31 @@ TEST(StatedValues, OfTheShippedConfiguration) {
     if (key.by_default) {
       EXPECT_EQ(std::stod(found[2]), *key.by_default) << key.name;
     }
+  }
+}
+
+// The row of a table whose first cell has `name` in it; empty if there is none.
+std::string row_of(const std::string& tables, std::string_view name) {
+  std::istringstream rows{tables};
+  for (std::string row; std::getline(rows, row);) {
+    const std::string cell = row.substr(0, row.find(" | "));
+    if (row.starts_with("| ") && cell.find("`" + std::string{name} + "`") != std::string::npos)
+      return row;
+  }
+  return {};
+}
+
+// The page of the virtual Create lists each plant, and each value with its range.
+TEST(StatedValues, OfThePlantsOfTheVirtualCreate) {
+  const std::string page = text_of("docs/virtual-create.md");
+  const std::size_t plants = page.find("## Plants");
+  const std::size_t values = page.find("The values of a plant", plants);
+  ASSERT_NE(values, std::string::npos);
+  for (const sim::Plant& plant : sim::plants())
+    EXPECT_NE(row_of(page.substr(plants, values - plants), plant.name), "") << plant.name;
+  for (const sim::PlantValue& value : sim::plant_values()) {
+    const std::string row = row_of(page.substr(values), value.name);
+    EXPECT_NE(row.find(sim::range_of(value, ", ")), std::string::npos) << value.name << ": " << row;
   }
 }
 

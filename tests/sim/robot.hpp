@@ -26,11 +26,8 @@ using std::chrono_literals::operator""s;
 // Wheels that do at once what they are told.
 inline Parameters ideal_wheels() {
   Parameters parameters;
-  parameters.wheels = {.lag_s = 1e-9,
-                       .droop_left = 0.0,
-                       .droop_right = 0.0,
-                       .dead_band_mm_s = 0.0,
-                       .noise_mm_s = 0.0};
+  parameters.wheels = {
+      .lag_s = 1e-9, .gain_left = 1.0, .gain_right = 1.0, .dead_band_mm_s = 0.0, .noise_mm_s = 0.0};
   return parameters;
 }
 inline Parameters without_noise() {

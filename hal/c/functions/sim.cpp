@@ -13,6 +13,7 @@
 #include "hal/c/text.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/file/port_descriptor.hpp"
+#include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/remote/control.hpp"
 #include "hal/sim/remote/control_socket.hpp"
 #include "oi/dialect.hpp"
@@ -38,11 +39,13 @@ std::string complaint(const cargobay_sim_options& options) {
   if (options.lag_ns != 0 && !lag_ns.contains(static_cast<double>(options.lag_ns)))
     return "`lag_ns` must be " + lag_ns.words() + ", or 0 for the default";
   for (const double gain : {options.gain_left, options.gain_right}) {
-    if (gain != 0.0 && !hal::kDroop.contains(1.0 - gain))
-      return "`gain_left` and `gain_right` must be 0.1 to 1, or 0 for the default";
+    if (gain != 0.0 && !hal::sim::kGain.contains(gain))
+      return "`gain_left` and `gain_right` must be " + hal::sim::kGain.words() +
+             ", or 0 for the default";
   }
-  if (!hal::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) || std::isnan(options.noise_mm_s))
-    return "`noise_mm_s` must be " + hal::kNoiseMmS.words() + ", or negative for none";
+  if (!hal::sim::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) ||
+      std::isnan(options.noise_mm_s))
+    return "`noise_mm_s` must be " + hal::sim::kNoiseMmS.words() + ", or negative for none";
   if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
     return "`wheel_base_mm` must be " + hal::kWheelBaseMm.words() + ", or 0 for the default";
   return "";
@@ -55,8 +58,8 @@ hal::sim::Parameters parameters(const cargobay_sim_options& options) {
   if (options.boot_baud != 0) robot.boot_baud = options.boot_baud;
   hal::sim::WheelParameters& wheels = robot.wheels;
   if (options.lag_ns != 0) wheels.lag_s = static_cast<double>(options.lag_ns) / kNsPerS;
-  if (options.gain_left != 0.0) wheels.droop_left = 1.0 - options.gain_left;
-  if (options.gain_right != 0.0) wheels.droop_right = 1.0 - options.gain_right;
+  if (options.gain_left != 0.0) wheels.gain_left = options.gain_left;
+  if (options.gain_right != 0.0) wheels.gain_right = options.gain_right;
   if (options.noise_mm_s != 0.0) wheels.noise_mm_s = std::max(options.noise_mm_s, 0.0);
   if (options.wheel_base_mm != 0.0) wheels.wheel_base_mm = options.wheel_base_mm;
   return robot;

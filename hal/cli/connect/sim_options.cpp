@@ -1,9 +1,12 @@
 #include "hal/cli/connect/sim_options.hpp"
 
+#include <span>
+
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
 #include "hal/cli/terminal/in_range.hpp"
-#include "hal/config/settings.hpp"
+#include "hal/sim/drive_train/plants.hpp"
 #include "oi/dialect.hpp"
 
 namespace cargobay::cli {
@@ -11,38 +14,51 @@ namespace {
 
 constexpr const char* kGroup = "Virtual Create";
 
-void add_wheel_options(CLI::App& app, hal::sim::WheelParameters& wheels) {
-  app.add_option("--lag", wheels.lag_s, "Seconds a wheel takes to come within 37 % of a new speed")
-      ->check(in_range(hal::kLagS.least, hal::kLagS.most))
+using hal::sim::PlantValue;
+using hal::sim::WheelParameters;
+
+CLI::Validator plant_validator() {
+  return CLI::Validator{[](const std::string& text) {
+                          WheelParameters wheels;
+                          return hal::sim::set_plant(text, wheels);
+                        },
+                        ""};
+}
+
+// What it takes, as CLI11 words it for its own validators.
+std::string taken_by(const PlantValue& value) {
+  if (!value.is_number()) return "{" + hal::sim::range_of(value, ",") + "}";
+  const std::string bounds = fmt::format("in [{} - {}]", value.range.least, value.range.most);
+  return value.or_none ? "0, or " + bounds : "FLOAT " + bounds;
+}
+
+CLI::Validator value_validator(const PlantValue& value) {
+  return CLI::Validator{[&value](const std::string& text) {
+                          WheelParameters wheels;
+                          return hal::sim::set_value(value, text, wheels);
+                        },
+                        taken_by(value)};
+}
+
+void add_wheel_options(CLI::App& app, SimOptions& options) {
+  app.add_option("--plant", options.plant,
+                 "How its wheels answer, and single values on top: 'slow dead-time 0.06'. A value "
+                 "that is given as an option overrides both. The plants are " +
+                     hal::sim::plant_names() + "; `cargobay sim --help` describes them")
+      ->check(plant_validator())
+      ->type_name("'NAME [VALUE NUMBER]...'")
       ->capture_default_str()
       ->group(kGroup);
-  app.add_option("--droop-left", wheels.droop_left,
-                 "Fraction by which the left wheel falls short of its set speed")
-      ->check(in_range(hal::kDroop.least, hal::kDroop.most))
-      ->capture_default_str()
-      ->group(kGroup);
-  app.add_option("--droop-right", wheels.droop_right, "The same for the right wheel")
-      ->check(in_range(hal::kDroop.least, hal::kDroop.most))
-      ->capture_default_str()
-      ->group(kGroup);
-  app.add_option("--dead-band", wheels.dead_band_mm_s,
-                 "Set speeds below this, in mm/s, do not turn a wheel")
-      ->check(in_range(0.0, 500.0))
-      ->capture_default_str()
-      ->group(kGroup);
-  app.add_option("--counts-per-mm", wheels.counts_per_mm, "Resolution of the encoders")
-      ->check(in_range(0.01, 1000.0))
-      ->capture_default_str()
-      ->group(kGroup);
-  app.add_option("--wheel-base", wheels.wheel_base_mm, "Distance between its wheels, in mm")
-      ->check(in_range(hal::kWheelBaseMm.least, hal::kWheelBaseMm.most))
-      ->capture_default_str()
-      ->group(kGroup);
-  app.add_option("--noise", wheels.noise_mm_s,
-                 "Standard deviation in mm/s by which a wheel's speed wanders")
-      ->check(in_range(hal::kNoiseMmS.least, hal::kNoiseMmS.most))
-      ->capture_default_str()
-      ->group(kGroup);
+  const std::span<const PlantValue> values = hal::sim::plant_values();
+  options.plant_values.resize(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    app.add_option("--" + std::string{values[i].name}, options.plant_values[i],
+                   std::string{values[i].meaning})
+        ->check(value_validator(values[i]))
+        ->type_name(values[i].is_number() ? "FLOAT" : "TEXT")
+        ->default_str(hal::sim::value_of(values[i], WheelParameters{}))
+        ->group(kGroup);
+  }
 }
 
 }  // namespace
@@ -87,7 +103,7 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
       ->check(whole_number())
       ->capture_default_str()
       ->group(kGroup);
-  add_wheel_options(app, options.parameters.wheels);
+  add_wheel_options(app, options);
 }
 
 hal::sim::Parameters parameters(const SimOptions& options) {
@@ -100,6 +116,13 @@ hal::sim::Parameters parameters(const SimOptions& options) {
   if (options.power_on == "now") parameters.power_on = hal::sim::PowerOn::now;
   if (options.power_on == "never") parameters.power_on = hal::sim::PowerOn::never;
   parameters.charging_text = !options.no_charging_text;
+  // The words were checked when they were parsed.
+  (void)hal::sim::set_plant(options.plant, parameters.wheels);
+  const std::span<const PlantValue> values = hal::sim::plant_values();
+  for (std::size_t i = 0; i < options.plant_values.size(); ++i) {
+    if (!options.plant_values[i].empty())
+      (void)hal::sim::set_value(values[i], options.plant_values[i], parameters.wheels);
+  }
   return parameters;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "hal/result.hpp"
 #include "hal/sim/parameters.hpp"
@@ -18,6 +19,8 @@ struct SimOptions {
   std::string power_on = "long-ago";
   bool extensions = false;
   bool no_charging_text = false;
+  std::string plant = "default";
+  std::vector<std::string> plant_values{};  // one each, as hal::sim::plant_values(); may be empty
   hal::sim::Parameters parameters{};
 };
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "hal/sim/inputs.hpp"
-#include "hal/sim/wheels.hpp"
+#include "hal/sim/pose.hpp"
 #include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "rt/clock.hpp"

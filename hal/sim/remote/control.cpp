@@ -11,6 +11,7 @@
 
 #include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/fault_command.hpp"
+#include "hal/sim/remote/wheel_controls.hpp"
 #include "oi/value_names.hpp"
 
 namespace cargobay::hal::sim {
@@ -269,6 +270,13 @@ constexpr std::array kControls{
     ControlInfo{"place", "X_MM Y_MM HEADING_DEG", "puts it there", &to_robot<place>},
     ControlInfo{"turn-wheels", "LEFT_MM_S RIGHT_MM_S",
                 "turns its wheels by hand while its motors are off", &to_robot<turn_wheels>},
+    ControlInfo{"plant", "[NAME] [VALUE NUMBER]...",
+                "changes how its wheels answer; `plant ?` lists the names", &change_plant},
+    ControlInfo{"load", "PART [left|right|both] [MS]",
+                "leaves this part of the wheels' gain (0.75, not 75), for so long or from now on",
+                &change_load},
+    ControlInfo{"stuck", "none|left|right|both [MS]",
+                "holds a wheel, which draws 1 A while its motor is on", &change_stuck},
     ControlInfo{"fault", "NAME [ARGUMENTS]", "makes something go wrong; `fault` alone lists what",
                 &fault},
     ControlInfo{"at", "SECONDS COMMAND",

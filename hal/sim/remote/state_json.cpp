@@ -1,4 +1,5 @@
 // The command `state` of the control socket.
+#include <algorithm>
 #include <array>
 #include <cinttypes>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/remote/control.hpp"
 #include "oi/value_names.hpp"
 
@@ -59,6 +61,31 @@ JsonObject leds(const Actuators& actuators) {
       .truth(oi::name(oi::Led::advance), actuators.lit(oi::Led::advance))
       .integer("power_color", actuators.leds.power_color)
       .integer("power_intensity", actuators.leds.power_intensity);
+}
+
+JsonObject plant(const WheelParameters& wheels) {
+  JsonObject values;
+  const std::optional<std::string_view> name = plant_name(wheels);
+  values.raw("name", name ? "\"" + std::string{*name} + "\"" : "null");
+  for (const PlantValue& value : plant_values()) {
+    std::string key{value.name};
+    std::ranges::replace(key, '-', '_');
+    const std::string text = value_of(value, wheels);
+    value.is_number() ? values.raw(key, text) : values.text(key, text);
+  }
+  return values;
+}
+
+JsonObject load(const Device& device) {
+  return JsonObject{}
+      .number("left", device.hardship(Side::left).load)
+      .number("right", device.hardship(Side::right).load);
+}
+
+JsonObject stuck(const Device& device) {
+  return JsonObject{}
+      .truth("left", device.stuck(Side::left))
+      .truth("right", device.stuck(Side::right));
 }
 
 // The pins of the cargo bay connector (OI p. 4) that the robot drives: 13, 8, 9, 10 to 12.
@@ -119,6 +146,9 @@ std::string state_json(const Cable& cable) {
       .object("pose", pose(device.truth().pose))
       .object("wheel_mm_s", speeds(device.truth().speeds))
       .object("commanded_mm_s", speeds(device.commanded()))
+      .object("plant", plant(device.parameters().wheels))
+      .object("load", load(device))
+      .object("stuck", stuck(device))
       .object("leds", leds(actuators))
       .truth("song_playing", device.songs().playing())
       .integer("note", device.sounding())

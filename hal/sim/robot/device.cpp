@@ -64,8 +64,45 @@ void Device::set_wheels_blocked(bool left, bool right) {
   chassis_.blocked.left = left;
   chassis_.blocked.right = right;
   advance_wheels();
-  chassis_.wheels.set_blocked(left || inputs_.overcurrent_left_wheel,
-                              right || inputs_.overcurrent_right_wheel);
+  block_wheels(inputs_);
+}
+
+void Device::block_wheels(const Inputs& inputs) {
+  chassis_.wheels.set_blocked(
+      chassis_.blocked.left || stuck(Side::left) || inputs.overcurrent_left_wheel,
+      chassis_.blocked.right || stuck(Side::right) || inputs.overcurrent_right_wheel);
+}
+
+void Device::set_wheels(const WheelParameters& parameters) {
+  advance_wheels();
+  parameters_.wheels = parameters;
+  chassis_.wheels.set(parameters);
+  chassis_.odometer.set(parameters);
+}
+
+// When so much time is over, which may be never.
+rt::Duration Device::in(rt::Duration period) const {
+  return period < rt::Duration::max() - now_ ? now_ + period : rt::Duration::max();
+}
+
+void Device::set_load(Side side, double factor, rt::Duration period) {
+  advance_wheels();
+  hardship_of(side).load = factor;
+  hardship_of(side).load_until = in(period);
+  load_wheels();
+}
+
+void Device::set_stuck(Side side, rt::Duration period) {
+  advance_wheels();
+  hardship_of(side).stuck_until = in(period);
+  block_wheels(inputs_);
+}
+
+void Device::load_wheels() {
+  for (Hardship* const wheel : {&chassis_.left, &chassis_.right}) {
+    if (now_ >= wheel->load_until) *wheel = {.load = 1.0, .stuck_until = wheel->stuck_until};
+  }
+  chassis_.wheels.set_load(chassis_.left.load, chassis_.right.load);
 }
 
 void Device::turn_wheels(WheelSpeeds turned) {
@@ -103,6 +140,7 @@ void Device::advance_wheels() {
 void Device::tick() {
   ++ticks_;
   advance_wheels();
+  load_wheels();
   chassis_.wheels.tick();
   chassis_.odometer.latch(chassis_.wheels.left().counts(), chassis_.wheels.right().counts());
   release_buttons();
@@ -125,8 +163,7 @@ void Device::tick() {
 // A motor gets 1.0 A at most (OI p. 17): a wheel that needs more to move stands still, and a wheel
 // that is held draws that much.
 void Device::overload_wheels() {
-  chassis_.wheels.set_blocked(chassis_.blocked.left || seen_.overcurrent_left_wheel,
-                              chassis_.blocked.right || seen_.overcurrent_right_wheel);
+  block_wheels(seen_);
   if (chassis_.wheels.left().stalled()) seen_.overcurrent_left_wheel = true;
   if (chassis_.wheels.right().stalled()) seen_.overcurrent_right_wheel = true;
 }

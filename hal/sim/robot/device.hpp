@@ -14,9 +14,11 @@
 
 #include "hal/sim/battery.hpp"
 #include "hal/sim/demos/demos.hpp"
+#include "hal/sim/drive_train/odometer.hpp"
+#include "hal/sim/drive_train/wheels.hpp"
 #include "hal/sim/inputs.hpp"
-#include "hal/sim/odometer.hpp"
 #include "hal/sim/parameters.hpp"
+#include "hal/sim/pose.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/ring_buffer.hpp"
 #include "hal/sim/robot/actuators.hpp"
@@ -28,7 +30,6 @@
 #include "hal/sim/robot/uart_line.hpp"
 #include "hal/sim/robot/wait.hpp"
 #include "hal/sim/safety.hpp"
-#include "hal/sim/wheels.hpp"
 #include "oi/command_parser.hpp"
 #include "oi/command_table.hpp"
 #include "oi/dialect.hpp"
@@ -43,6 +44,13 @@ namespace cargobay::hal::sim {
 struct Truth {
   WorldPose pose{};
   WheelSpeeds speeds{};
+};
+
+// What befalls a wheel: a load leaves that part of its gain, or it is stuck.
+struct Hardship {
+  double load = 1.0;
+  rt::Duration load_until{rt::Duration::max()};
+  rt::Duration stuck_until{rt::Duration::min()};
 };
 
 // A Drive or Drive Direct that the robot obeyed, as wheel speeds.
@@ -142,6 +150,16 @@ class Device {
   void press(oi::Button button, rt::Duration period);
   void place(const WorldPose& pose);
   void set_wheels_blocked(bool left, bool right);
+  // Changes how the wheels answer, from now on and while they turn.
+  void set_wheels(const WheelParameters& parameters);
+  // A load leaves that part of the wheel's gain, 1 for none, from now on; or it is stuck. For that
+  // long, or to the end of the 15 ms in which it is over.
+  void set_load(Side side, double factor, rt::Duration period = rt::Duration::max());
+  void set_stuck(Side side, rt::Duration period = rt::Duration::max());
+  const Hardship& hardship(Side side) const {
+    return side == Side::left ? chassis_.left : chassis_.right;
+  }
+  bool stuck(Side side) const { return now_ < hardship(side).stuck_until; }
   // Turns the wheels from outside from now on, by hand or by a push; the motors are stronger.
   void turn_wheels(WheelSpeeds turned);
   // Replaces the battery with a full one: the robot forgets everything, and is off.
@@ -170,6 +188,10 @@ class Device {
   // At most two are pending: a tick and a change of the baud rate.
   rt::Duration next_event() const;
   void advance_wheels();
+  Hardship& hardship_of(Side side) { return side == Side::left ? chassis_.left : chassis_.right; }
+  rt::Duration in(rt::Duration period) const;
+  void load_wheels();
+  void block_wheels(const Inputs& inputs);
   void overload_wheels();
   void release_buttons();
   void tick();
@@ -200,7 +222,7 @@ class Device {
   void drive(std::int32_t velocity_mm_s, std::int32_t radius_mm);
   void drive_direct(std::int32_t right_mm_s, std::int32_t left_mm_s);
   void obey_drive(WheelSpeeds command);
-  void set_wheels(WheelSpeeds command);
+  void command_wheels(WheelSpeeds command);
   void start_demo(std::int32_t number);
   void tick_demo();
   void tick_buttons(const Inputs& before);
@@ -267,6 +289,8 @@ class Device {
     Odometer odometer;
     rt::Duration at{0};  // to where the wheels have been moved
     Blocked blocked{};
+    Hardship left{};
+    Hardship right{};
   };
   struct DemoState {
     Demos demos{};

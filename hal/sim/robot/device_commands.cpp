@@ -157,7 +157,7 @@ void Device::enter(oi::Mode mode) {
 }
 
 void Device::stop_motors() {
-  set_wheels({});
+  command_wheels({});
   actuators_.low_side_drivers = {};
 }
 
@@ -224,11 +224,11 @@ void Device::drive_direct(std::int32_t right_mm_s, std::int32_t left_mm_s) {
 }
 
 void Device::obey_drive(WheelSpeeds command) {
-  set_wheels(command);
+  command_wheels(command);
   if (on_drive) on_drive({.time = now_, .tick = ticks_, .command = command});
 }
 
-void Device::set_wheels(WheelSpeeds command) {
+void Device::command_wheels(WheelSpeeds command) {
   advance_wheels();
   chassis_.wheels.set_command(command);
 }
@@ -252,7 +252,7 @@ Demos::View Device::demo_view() const {
 void Device::tick_demo() {
   if (!demo_.demos.running()) return;
   const Demos::Action action = demo_.demos.step(demo_view());
-  set_wheels(action.wheels);
+  command_wheels(action.wheels);
   demo_.note = action.note;
 }
 

@@ -56,7 +56,7 @@ void Device::switch_off() {
 
 void Device::forget_oi() {
   mode_ = oi::Mode::off;
-  set_wheels({});
+  command_wheels({});
   serial_.parser.reset();
   serial_.input.clear();
   wait_.end();

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "hal/sim/wheels.hpp"
+#include "hal/sim/pose.hpp"
 
 namespace cargobay::hal::sim {
 

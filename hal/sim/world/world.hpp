@@ -9,8 +9,8 @@
 
 #include "hal/result.hpp"
 #include "hal/sim/inputs.hpp"
+#include "hal/sim/pose.hpp"
 #include "hal/sim/robot/device.hpp"
-#include "hal/sim/wheels.hpp"
 
 namespace cargobay::hal::sim {
 

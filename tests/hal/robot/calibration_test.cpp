@@ -27,28 +27,28 @@ TEST(Calibration, FindsOutWhatTheRobotIs) {
   struct Case {
     double wheel_base_mm;
     double lag_s;
-    double droop_left;
-    double droop_right;
+    double gain_left;
+    double gain_right;
     sim::Remainder remainder;
     std::uint64_t seed;
   };
-  for (const Case& robot : {Case{258.0, 0.100, 0.06, 0.10, sim::Remainder::carried, 1},
-                            Case{262.5, 0.060, 0.12, 0.03, sim::Remainder::carried, 2},
-                            Case{250.0, 0.200, 0.00, 0.15, sim::Remainder::carried, 3},
-                            Case{258.0, 0.100, 0.06, 0.10, sim::Remainder::lost, 4},
-                            Case{265.0, 0.150, 0.10, 0.02, sim::Remainder::lost, 5}}) {
+  for (const Case& robot : {Case{258.0, 0.100, 0.94, 0.90, sim::Remainder::carried, 1},
+                            Case{262.5, 0.060, 0.88, 0.97, sim::Remainder::carried, 2},
+                            Case{250.0, 0.200, 1.00, 0.85, sim::Remainder::carried, 3},
+                            Case{258.0, 0.100, 0.94, 0.90, sim::Remainder::lost, 4},
+                            Case{265.0, 0.150, 0.90, 0.98, sim::Remainder::lost, 5}}) {
     sim::Parameters parameters{.remainder = robot.remainder, .seed = robot.seed};
     parameters.wheels.wheel_base_mm = robot.wheel_base_mm;
     parameters.wheels.lag_s = robot.lag_s;
-    parameters.wheels.droop_left = robot.droop_left;
-    parameters.wheels.droop_right = robot.droop_right;
+    parameters.wheels.gain_left = robot.gain_left;
+    parameters.wheels.gain_right = robot.gain_right;
     const auto result = calibrate(parameters);
     ASSERT_TRUE(result) << result.failure().message;
     const bool carried = robot.remainder == sim::Remainder::carried;
     EXPECT_NEAR(result->wheel_base_mm, robot.wheel_base_mm, carried ? 1.5 : 3.0);
     EXPECT_NEAR(result->lag_s, robot.lag_s, 0.015);
-    EXPECT_NEAR(result->droop_left, robot.droop_left, 0.01);
-    EXPECT_NEAR(result->droop_right, robot.droop_right, 0.01);
+    EXPECT_NEAR(result->gain_left, robot.gain_left, 0.01);
+    EXPECT_NEAR(result->gain_right, robot.gain_right, 0.01);
     EXPECT_EQ(result->remainder,
               carried ? rt::RemainderBelief::carried : rt::RemainderBelief::lost);
   }

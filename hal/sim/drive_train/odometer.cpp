@@ -1,4 +1,4 @@
-#include "hal/sim/odometer.hpp"
+#include "hal/sim/drive_train/odometer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +18,11 @@ Odometer::Odometer(const Parameters& parameters)
     : remainder_{parameters.remainder},
       mm_per_count_{1.0 / parameters.wheels.counts_per_mm},
       deg_per_mm_{180.0 / std::numbers::pi / parameters.wheels.wheel_base_mm} {}
+
+void Odometer::set(const WheelParameters& parameters) {
+  mm_per_count_ = 1.0 / parameters.counts_per_mm;
+  deg_per_mm_ = 180.0 / std::numbers::pi / parameters.wheel_base_mm;
+}
 
 void Odometer::latch(std::int64_t left_counts, std::int64_t right_counts) {
   const double left_mm = static_cast<double>(left_counts - left_counts_) * mm_per_count_;

@@ -1,4 +1,4 @@
-#include "hal/sim/odometer.hpp"
+#include "hal/sim/drive_train/odometer.hpp"
 
 #include <gtest/gtest.h>
 

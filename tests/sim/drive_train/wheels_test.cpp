@@ -1,4 +1,4 @@
-#include "hal/sim/wheels.hpp"
+#include "hal/sim/drive_train/wheels.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace): this file's own helpers
 
-TEST(Wheels, ReachThePartOfTheCommandThatDroopLeaves) {
+TEST(Wheels, ReachThePartOfTheCommandThatIsTheirGain) {
   Wheels wheels{without_noise()};
   wheels.set_command({200.0, 200.0});
   wheels.advance(3s);
@@ -108,8 +108,9 @@ TEST(Wheels, CountBothWaysOverAnEdgeWhereTheDirectionChanges) {
 
 TEST(Wheel, LosesNoEdgeWhereAStepHoldsTheReversal) {
   const auto edges = [](int pieces) {
-    const WheelParameters parameters;
-    Wheel wheel{parameters, 0.0};
+    WheelParameters parameters;
+    parameters.gain_left = 1.0;
+    Wheel wheel{parameters, Side::left};
     wheel.set_command(300.0);
     wheel.advance(1.0);
     wheel.set_command(-300.0);

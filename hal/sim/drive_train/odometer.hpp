@@ -13,6 +13,8 @@ class Odometer {
  public:
   explicit Odometer(const Parameters& parameters);
 
+  // Takes the new resolution and wheel base, from the next tick on.
+  void set(const WheelParameters& parameters);
   // Takes the counts of the encoders at a tick.
   void latch(std::int64_t left_counts, std::int64_t right_counts);
 
