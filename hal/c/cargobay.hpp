@@ -944,6 +944,7 @@ struct SimOptions {
   double gain_right = 0.0;
   double noise_mm_s = 0.0;
   double wheel_base_mm = 0.0;
+  std::string plant{};
 };
 
 // struct cargobay_sim. Declare it before the robot that uses it, so that it is destroyed after it.
@@ -963,6 +964,7 @@ class Sim {
     plain.gain_right = options.gain_right;
     plain.noise_mm_s = options.noise_mm_s;
     plain.wheel_base_mm = options.wheel_base_mm;
+    plain.plant = detail::or_null(options.plant);
     cargobay_sim* handle = nullptr;
     if (const int code = cargobay_sim_open(&plain, &handle); code < 0) return detail::failure(code);
     return Sim{handle};

@@ -217,7 +217,11 @@ int calibrate(const CalibrateOptions& options) {
                                 hal::below_loop(config->priority.value_or(kPriority)));
   if (!plant) return fail(plant.failure());
   std::optional<int> signal;
-  if (plant->server() == nullptr) signal = warn(options, signals);
+  if (plant->server() == nullptr) {
+    signal = warn(options, signals);
+  } else {
+    schedule(options.sim, *plant->server());
+  }
   if (signal) return kSignalled + *signal;
   const auto measured = measure(options, *config, *plant, signals, signal);
   if (!measured) return fail(measured.failure());

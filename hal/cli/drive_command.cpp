@@ -331,6 +331,7 @@ int drive(const DriveOptions& options) {
   if (!plant) return fail(plant.failure());
   wanted.pins = plant->pins();
   hal::sim::Server* const server = plant->server();
+  if (server != nullptr) schedule(options.sim, *server);
   std::optional<int> early_signal;
   wanted.cancelled = [&] {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());

@@ -109,6 +109,7 @@ hal::Result<void> open(const ServeOptions& options, std::size_t index, const hal
   auto server = hal::sim::Server::open(parameters, server_options);
   if (!server) return server.failure();
   robot.server = std::move(*server);
+  schedule(options.sim, *robot.server);
   robot.announced = robot.server->path();
   if (!options.world.empty()) {
     robot.server->with_device(

@@ -70,13 +70,15 @@ static void of_sim(struct cargobay_sim* sim) {
   char text[100];
   SIZED(cargobay_sim_options, options);
   REFUSES(cargobay_sim_open(NULL, NULL), "`sim` is NULL");
-  REFUSES_SIM_OPTION(gain_left, 1.01, "`gain_left`");
+  REFUSES_SIM_OPTION(gain_left, 1.51, "`gain_left`");
   REFUSES_SIM_OPTION(gain_right, 0.09, "`gain_right`");
   REFUSES_SIM_OPTION(lag_ns, 999999, "`lag_ns`");
   REFUSES_SIM_OPTION(lag_ns, -1, "`lag_ns`");
   REFUSES_SIM_OPTION(noise_mm_s, 101.0, "`noise_mm_s`");
   REFUSES_SIM_OPTION(wheel_base_mm, 49.0, "`wheel_base_mm`");
   REFUSES_SIM_OPTION(boot_baud, 1, "`boot_baud`");
+  REFUSES_SIM_OPTION(plant, "sloth", "`plant`: unknown plant or value 'sloth'");
+  REFUSES_SIM_OPTION(plant, "lag 100", "`plant`: lag is in seconds, 0.001 to 10: 0.1, not 100");
   REFUSES_SIM_OPTION(time, 2, "`time`");
   REFUSES_SIM_OPTION(remainder, 3, "`remainder`");
   options.time = CARGOBAY_SIM_TIME_VIRTUAL;

@@ -103,6 +103,7 @@ void sim_options_arrive() {
       {{.gain_right = 2.0}, "`gain_right`"},
       {{.noise_mm_s = 101.0}, "`noise_mm_s`"},
       {{.wheel_base_mm = 1.0}, "`wheel_base_mm`"},
+      {{.plant = "sloth"}, "`plant`"},
   };
   for (const auto& [options, words] : wrong) {
     const auto sim = cargobay::Sim::open(options);

@@ -301,6 +301,19 @@ static int hears_the_bring_up(void* context, const char* step, const char* detai
   return 0;
 }
 
+static void has_the_wheels_of_another_robot(void) {
+  struct cargobay_sim* sim = NULL;
+  SIZED(cargobay_sim_options, create);
+  create.time = CARGOBAY_SIM_TIME_VIRTUAL;
+  create.plant = "slow dead-time 0.06";
+  create.gain_left = 0.7;
+  CHECK(cargobay_sim_open(&create, &sim) == CARGOBAY_OK);
+  CHECK(sim_says(sim, "\"lag\":0.25,\"dead_time\":0.06,\"ramp\":0,\"gain_left\":0.7,"));
+  CHECK(cargobay_sim_inject(sim, "plant carpet", NULL, 0) > 0);
+  CHECK(sim_says(sim, "\"name\":\"carpet\""));
+  CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
+}
+
 static void brings_up(void) {
   int steps = 0;
   struct cargobay_sim* sim = NULL;
@@ -383,6 +396,7 @@ int main(void) {
   keeps_to_the_budget();
   tells_events();
   measures_and_records();
+  has_the_wheels_of_another_robot();
   brings_up();
   is_the_same_each_time_and_fast();
   return 0;

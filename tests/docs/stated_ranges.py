@@ -19,7 +19,8 @@ RANGE = re.compile(r"in \[(\S+) - (\S+?)\]|(?<![\w.])(-?\d[\d.e+]*) to (-?\d[\d.
 NOWHERE = "/no/such/folder/there"
 # Makes each subcommand fail early and harmlessly once it has accepted the value.
 FAILS = {
-    "drive": ["--port", NOWHERE], "calibrate": ["--port", NOWHERE], "jitter": ["--port", NOWHERE],
+    "drive": ["--port", NOWHERE], "jitter": ["--port", NOWHERE],
+    "calibrate": ["--json", NOWHERE],  # warns for 3 s before it opens a port
     "send": ["--port", NOWHERE, "start"], "bringup": ["--port", NOWHERE],
     "sensors": ["--port", NOWHERE], "doctor": ["--port", NOWHERE], "sim": ["--link", NOWHERE],
     "replay": [NOWHERE],

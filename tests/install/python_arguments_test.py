@@ -167,6 +167,8 @@ class Options(Refused):
                 self.refused(ValueError, path, kind, **{path: "\0"})
                 self.refused(ValueError, path, kind, **{path: "/dev/ttyS0\0/x"})
                 self.refused(TypeError, path, kind, **{path: 5})
+        self.refused(TypeError, "plant", Sim, plant=5)
+        self.refused(ValueError, "plant", Sim, plant="slow\0")
         self.refused(TypeError, "settings", Robot, settings=5)
         self.refused(ValueError, "settings", Robot, settings="a\0")
 

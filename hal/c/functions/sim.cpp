@@ -46,6 +46,11 @@ std::string complaint(const cargobay_sim_options& options) {
   if (!hal::sim::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) ||
       std::isnan(options.noise_mm_s))
     return "`noise_mm_s` must be " + hal::sim::kNoiseMmS.words() + ", or negative for none";
+  hal::sim::WheelParameters wheels;
+  if (options.plant != nullptr) {
+    if (const std::string wrong = hal::sim::set_plant(options.plant, wheels); !wrong.empty())
+      return "`plant`: " + wrong;
+  }
   if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
     return "`wheel_base_mm` must be " + hal::kWheelBaseMm.words() + ", or 0 for the default";
   return "";
@@ -57,6 +62,8 @@ hal::sim::Parameters parameters(const cargobay_sim_options& options) {
   if (options.remainder == CARGOBAY_REMAINDER_LOST) robot.remainder = hal::sim::Remainder::lost;
   if (options.boot_baud != 0) robot.boot_baud = options.boot_baud;
   hal::sim::WheelParameters& wheels = robot.wheels;
+  // It was checked before.
+  if (options.plant != nullptr) (void)hal::sim::set_plant(options.plant, wheels);
   if (options.lag_ns != 0) wheels.lag_s = static_cast<double>(options.lag_ns) / kNsPerS;
   if (options.gain_left != 0.0) wheels.gain_left = options.gain_left;
   if (options.gain_right != 0.0) wheels.gain_right = options.gain_right;

@@ -7,6 +7,8 @@
 
 #include "hal/cli/terminal/in_range.hpp"
 #include "hal/sim/drive_train/plants.hpp"
+#include "hal/sim/remote/control.hpp"
+#include "hal/sim/remote/control_socket.hpp"
 #include "oi/dialect.hpp"
 
 namespace cargobay::cli {
@@ -38,6 +40,15 @@ CLI::Validator value_validator(const PlantValue& value) {
                           return hal::sim::set_value(value, text, wheels);
                         },
                         taken_by(value)};
+}
+
+// Tried on a separate robot: only the robot knows what makes sense.
+std::string try_later(const std::string& text) {
+  hal::sim::Device device{{}};
+  hal::sim::Cable cable{device};
+  const std::string answer = hal::sim::control("at " + text, cable);
+  constexpr std::string_view kError = "error: ";
+  return answer.starts_with(kError) ? answer.substr(kError.size()) : "";
 }
 
 void add_wheel_options(CLI::App& app, SimOptions& options) {
@@ -104,6 +115,13 @@ void add_sim_options(CLI::App& app, SimOptions& options) {
       ->capture_default_str()
       ->group(kGroup);
   add_wheel_options(app, options);
+  app.add_option("--at", options.later,
+                 "Do this to it when it has run for so long: a command of its control socket, as "
+                 "in --at '5 plant carpet' --at '8 load 0.5 left 150'; may be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false)
+      ->check(CLI::Validator{&try_later, "'SECONDS COMMAND'"})
+      ->group(kGroup);
 }
 
 hal::sim::Parameters parameters(const SimOptions& options) {
@@ -124,6 +142,10 @@ hal::sim::Parameters parameters(const SimOptions& options) {
       (void)hal::sim::set_value(values[i], options.plant_values[i], parameters.wheels);
   }
   return parameters;
+}
+
+void schedule(const SimOptions& options, hal::sim::Server& server) {
+  for (const std::string& text : options.later) (void)hal::sim::control("at " + text, server);
 }
 
 }  // namespace cargobay::cli

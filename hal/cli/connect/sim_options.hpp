@@ -10,6 +10,9 @@
 namespace CLI {
 class App;
 }
+namespace cargobay::hal::sim {
+class Server;
+}
 
 namespace cargobay::cli {
 
@@ -21,6 +24,7 @@ struct SimOptions {
   bool no_charging_text = false;
   std::string plant = "default";
   std::vector<std::string> plant_values{};  // one each, as hal::sim::plant_values(); may be empty
+  std::vector<std::string> later{};         // "SECONDS COMMAND" of the control socket
   hal::sim::Parameters parameters{};
 };
 
@@ -28,5 +32,7 @@ struct SimOptions {
 void add_sim_options(CLI::App& app, SimOptions& options);
 // Call it after the parsing.
 hal::sim::Parameters parameters(const SimOptions& options);
+// What is to be done to it later. Call it once, before anything drives it.
+void schedule(const SimOptions& options, hal::sim::Server& server);
 
 }  // namespace cargobay::cli

@@ -49,6 +49,7 @@ class SimOptions(Sized):
         ("gain_right", c_double),
         ("noise_mm_s", c_double),
         ("wheel_base_mm", c_double),
+        ("plant", c_char_p),
     ]
 
 

@@ -31,7 +31,7 @@ class Sim(_handles.Handle):
                  remainder: Remainder = Remainder.UNKNOWN, boot_baud: int = 0,
                  link: Path | None = None, world: Path | None = None, lag_s: Seconds = 0.0,
                  gain_left: float = 0.0, gain_right: float = 0.0, noise_mm_s: float = 0.0,
-                 wheel_base_mm: float = 0.0) -> None:
+                 wheel_base_mm: float = 0.0, plant: str | None = None) -> None:
         """The members of struct cargobay_sim_options; 0 and None are the defaults."""
         options = c.SimOptions(
             time=_arguments.int32("time", time),
@@ -43,7 +43,8 @@ class Sim(_handles.Handle):
             gain_left=_arguments.real("gain_left", gain_left),
             gain_right=_arguments.real("gain_right", gain_right),
             noise_mm_s=_arguments.real("noise_mm_s", noise_mm_s),
-            wheel_base_mm=_arguments.real("wheel_base_mm", wheel_base_mm))
+            wheel_base_mm=_arguments.real("wheel_base_mm", wheel_base_mm),
+            plant=None if plant is None else _arguments.text("plant", plant))
         with _signals.Deferred():
             self._open("cargobay_sim_open", ctypes.byref(options))
         self._slice_ns = _SLICE_NS[SimTime(time)]

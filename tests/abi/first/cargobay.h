@@ -220,6 +220,8 @@ struct cargobay_sim_options {
   double gain_right; /**< the same for the right wheel, 0.1 to 1.5; 0: 0.9 */
   double noise_mm_s; /**< standard deviation of a wheel's speed, 0 to 100; 0: 1; negative: none */
   double wheel_base_mm; /**< its true wheel base, 50 to 1000; 0: 258 */
+  const char* plant;    /**< how its wheels answer: a plant of docs/virtual-create.md, and values on
+                             top, as in "slow sign true"; NULL: "default". Overridden by the above */
 };
 
 /** What really happens to a virtual Create; no sensor reports it. */
@@ -265,8 +267,8 @@ int cargobay_sim_get_path(struct cargobay_sim* sim, char* path, size_t path_size
  * Does something to a virtual Create: presses its buttons, puts things in front of its sensors,
  * makes something go wrong, now or later.
  * @param line a command of docs/virtual-create.md: "bump left", "cliff front_left on",
- * "battery 300", "fault lost 0.01", "place 0 0 90", "state"; "at 3.5 bump left" does it when the
- * virtual Create's time is 3.5 s.
+ * "battery 300", "fault lost 0.01", "place 0 0 90", "plant carpet", "state"; "at 3.5 bump left"
+ * does it when the virtual Create's time is 3.5 s.
  * @param answer receives the answer, NUL-terminated, truncated if it does not fit; may be NULL.
  * @return the full length of the answer; CARGOBAY_E_ARGUMENT for a line that it does not know;
  * CARGOBAY_E_HANDLE. Any thread; locks, allocates.

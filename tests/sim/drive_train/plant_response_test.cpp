@@ -158,6 +158,18 @@ TEST(Stiction, HoldsAWheelThatStandsAndNotOneThatTurns) {
   EXPECT_EQ(wheels.speeds().left_mm_s, 0.0) << "it stands again";
 }
 
+// An exponential never ends; friction ends it at 1 mm/s.
+TEST(Stiction, BringsACoastingWheelToRest) {
+  Wheels wheels{with(&WheelParameters::stiction_mm_s, 40.0)};
+  wheels.set_command({200.0, 0.0});
+  wheels.advance(5s);
+  const double travel_mm = wheels.left().travel_mm();
+  wheels.set_command({0.0, 0.0});
+  wheels.advance(rt::Duration{std::llround(0.1e9 * std::log(200.0)) + 1000});
+  EXPECT_EQ(wheels.speeds().left_mm_s, 0.0);
+  EXPECT_NEAR(wheels.left().travel_mm() - travel_mm, 199.0 * 0.1, 1e-6);
+}
+
 // On a ramp a wheel breaks loose when the ramp has come so far: at 40 of 80 mm/s.
 TEST(Stiction, DelaysARampedStart) {
   Parameters parameters = with(&WheelParameters::stiction_mm_s, 40.0);
@@ -167,9 +179,9 @@ TEST(Stiction, DelaysARampedStart) {
   wheels.advance(500ms);
   EXPECT_EQ(wheels.left().travel_mm(), 0.0);
   EXPECT_EQ(wheels.right().travel_mm(), 0.0);
-  wheels.advance(100ms);
+  wheels.advance(150ms);
   // From standing, target 40 + 80 t.
-  const double expected = 40.0 + 80.0 * (0.1 - 0.1) - (40.0 - 8.0) * std::exp(-1.0);
+  const double expected = 40.0 + 80.0 * (0.15 - 0.1) - (40.0 - 80.0 * 0.1) * std::exp(-1.5);
   EXPECT_NEAR(wheels.speeds().left_mm_s, expected, 1e-9);
   EXPECT_NEAR(wheels.speeds().right_mm_s, -expected, 1e-9);
 }
