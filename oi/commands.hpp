@@ -33,7 +33,7 @@ enum class DemoNumber : std::int8_t {
 };
 
 // OI p. 16. The inverse of an event is its negative.
-enum class Event : std::int8_t {
+enum class ScriptEvent : std::int8_t {
   wheel_drop = 1,
   front_wheel_drop = 2,
   left_wheel_drop = 3,
@@ -58,8 +58,8 @@ enum class Event : std::int8_t {
   mode_passive = 22,
 };
 // The event that waits until `event` is over.
-constexpr Event inverse(Event event) {
-  return static_cast<Event>(-static_cast<std::int8_t>(event));
+constexpr ScriptEvent inverse(ScriptEvent event) {
+  return static_cast<ScriptEvent>(-static_cast<std::int8_t>(event));
 }
 
 // Radii with a special meaning (OI p. 9).
@@ -243,7 +243,7 @@ struct WaitAngle {
 };
 
 struct WaitEvent {
-  Event event = Event::wheel_drop;
+  ScriptEvent event = ScriptEvent::wheel_drop;
   static constexpr std::uint8_t kOpcode = 158;
   static constexpr std::tuple kWire{&WaitEvent::event};
   friend constexpr bool operator==(const WaitEvent&, const WaitEvent&) = default;

@@ -141,7 +141,7 @@ class ScriptBuilder {
   constexpr ScriptBuilder& wait_time(Tenths time) { return add(WaitTime{time}); }
   constexpr ScriptBuilder& wait_distance(Mm distance) { return add(WaitDistance{distance}); }
   constexpr ScriptBuilder& wait_angle(Deg angle) { return add(WaitAngle{angle}); }
-  constexpr ScriptBuilder& wait_event(Event event) { return add(WaitEvent{event}); }
+  constexpr ScriptBuilder& wait_event(ScriptEvent event) { return add(WaitEvent{event}); }
 
   // Lights, outputs, sound.
   constexpr ScriptBuilder& leds(const Leds& leds) { return add(leds); }

@@ -53,12 +53,12 @@ inline constexpr auto kValueNames<DemoNumber> =
 
 // The name of an inverse is that of the event after "no_".
 template <>
-inline constexpr auto kValueNames<Event> = detail::names_from(
-    Event::wheel_drop, "wheel_drop", "front_wheel_drop", "left_wheel_drop", "right_wheel_drop",
-    "bump", "left_bump", "right_bump", "virtual_wall", "wall", "cliff", "left_cliff",
-    "front_left_cliff", "front_right_cliff", "right_cliff", "home_base", "advance_button",
-    "play_button", "digital_input_0", "digital_input_1", "digital_input_2", "digital_input_3",
-    "mode_passive");
+inline constexpr auto kValueNames<ScriptEvent> = detail::names_from(
+    ScriptEvent::wheel_drop, "wheel_drop", "front_wheel_drop", "left_wheel_drop",
+    "right_wheel_drop", "bump", "left_bump", "right_bump", "virtual_wall", "wall", "cliff",
+    "left_cliff", "front_left_cliff", "front_right_cliff", "right_cliff", "home_base",
+    "advance_button", "play_button", "digital_input_0", "digital_input_1", "digital_input_2",
+    "digital_input_3", "mode_passive");
 
 template <>
 inline constexpr auto kValueNames<Led> =

@@ -21,18 +21,18 @@ template <std::size_t kCount>
 using Texts = std::array<std::array<char, 32>, kCount>;
 
 constexpr auto kInverseTexts = [] {
-  Texts<kValueNames<Event>.size()> texts{};
+  Texts<kValueNames<ScriptEvent>.size()> texts{};
   for (std::size_t i = 0; i < texts.size(); ++i) {
     TextWriter text{texts[i]};
     text.put("no_");
-    text.put(kValueNames<Event>[i].name);
+    text.put(kValueNames<ScriptEvent>[i].name);
   }
   return texts;
 }();
 constexpr auto kEvents = [] {
   std::array<ValueName, 2 * kInverseTexts.size()> names{};
   for (std::size_t i = 0; i < kInverseTexts.size(); ++i) {
-    const ValueName& event = kValueNames<Event>[i];
+    const ValueName& event = kValueNames<ScriptEvent>[i];
     names[2 * i] = event;
     names[2 * i + 1] = {-event.value, kInverseTexts[i].data()};
   }

@@ -55,7 +55,7 @@ TEST(ManualExample, Stream) {  // OI p. 14
                    {148, 2, 29, 13});
 }
 TEST(ManualExample, WaitEvent) {  // OI p. 16
-  expect_both_ways(WaitEvent{inverse(Event::bump)}, {158, 251});
+  expect_both_ways(WaitEvent{inverse(ScriptEvent::bump)}, {158, 251});
 }
 TEST(ManualExample, ScriptDrive40CmAndStop) {  // OI p. 15
   const Bytes bytes{152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0};
@@ -149,9 +149,9 @@ TEST(Encode, RefusesWhatIsOutOfRange) {
   EXPECT_FALSE(encode(WaitTime{Tenths{-1}}));
   EXPECT_FALSE(encode(WaitDistance{Mm{32768}}));
   EXPECT_FALSE(encode(WaitAngle{Deg{-32769}}));
-  EXPECT_FALSE(encode(WaitEvent{Event{0}}));
-  EXPECT_FALSE(encode(WaitEvent{Event{23}}));
-  EXPECT_FALSE(encode(Command{WaitEvent{Event{-23}}}));
+  EXPECT_FALSE(encode(WaitEvent{ScriptEvent{0}}));
+  EXPECT_FALSE(encode(WaitEvent{ScriptEvent{23}}));
+  EXPECT_FALSE(encode(Command{WaitEvent{ScriptEvent{-23}}}));
 }
 
 TEST(Encode, HasRoomForTheLongestOfEach) {

@@ -39,11 +39,11 @@ TEST(ScriptBuilder, DrivesFortyCentimetresAndStops) {
 
 TEST(ScriptBuilder, TogglesALedOnBump) {
   ScriptBuilder script;
-  script.wait_event(Event::bump)
-      .wait_event(inverse(Event::bump))
+  script.wait_event(ScriptEvent::bump)
+      .wait_event(inverse(ScriptEvent::bump))
       .leds({.leds = BitSet<Led>{}.with(Led::play)})
-      .wait_event(Event::bump)
-      .wait_event(inverse(Event::bump))
+      .wait_event(ScriptEvent::bump)
+      .wait_event(inverse(ScriptEvent::bump))
       .leds({})
       .loop();
   EXPECT_EQ(sent(script),
@@ -145,7 +145,7 @@ TEST(ScriptBuilder, FindsWhatIsWrongInAList) {
 
 TEST(ScriptBuilder, RefusesEventZero) {
   ScriptBuilder script;
-  script.wait_event(static_cast<Event>(0));
+  script.wait_event(static_cast<ScriptEvent>(0));
   ASSERT_TRUE(script.error());
   EXPECT_EQ(script.error()->value, 0);
 }

@@ -36,7 +36,7 @@ std::map<std::int32_t, std::string_view> enumerators(std::integer_sequence<int, 
 
 template <typename Enum>
 class ValueNames : public testing::Test {};
-using NamedEnums = testing::Types<Mode, StreamState, DemoNumber, Event, Led, LowSideDriver,
+using NamedEnums = testing::Types<Mode, StreamState, DemoNumber, ScriptEvent, Led, LowSideDriver,
                                   DigitalOutput, Bump, Overcurrent, Button, DigitalInput,
                                   ChargingSource, ChargingState, InfraredCharacter>;
 TYPED_TEST_SUITE(ValueNames, NamedEnums);

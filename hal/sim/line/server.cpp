@@ -173,7 +173,7 @@ void Server::catch_up(rt::TimePoint now) {
 
 void Server::take_from_host() {
   follow_rate(port_->host_baud());
-  std::array<std::uint8_t, RateChange::kMostBytes> bytes{};
+  std::array<std::uint8_t, HostRateChange::kMostBytes> bytes{};
   for (;;) {
     std::size_t room = cable_.send_room();
     if (change_.under_way()) room = change_.room(room);

@@ -17,9 +17,9 @@
 
 #include "hal/result.hpp"
 #include "hal/sim/line/cable.hpp"
+#include "hal/sim/line/host_rate_change.hpp"
 #include "hal/sim/line/pty_port.hpp"
 #include "hal/sim/line/pty_writes.hpp"
-#include "hal/sim/line/rate_change.hpp"
 #include "hal/sim/line/write_times.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/ring_buffer.hpp"
@@ -140,7 +140,7 @@ class Server {
     WriteTimes times{oi::kByteSpacingAt115200};
   };
   std::optional<Spacing> spacing_{};
-  RateChange change_{};
+  HostRateChange change_{};
   std::uint8_t last_sent_ = 0;
   RingBuffer<TruthSample> truth_;
   ServerCounters counters_{};

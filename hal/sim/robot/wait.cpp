@@ -4,30 +4,30 @@
 
 namespace cargobay::hal::sim {
 
-bool happens(oi::Event event, const Inputs& seen, oi::Mode mode) {
+bool happens(oi::ScriptEvent event, const Inputs& seen, oi::Mode mode) {
   switch (event) {
-    case oi::Event::wheel_drop: return seen.any_wheel_drop();
-    case oi::Event::front_wheel_drop: return seen.wheel_drop_caster;
-    case oi::Event::left_wheel_drop: return seen.wheel_drop_left;
-    case oi::Event::right_wheel_drop: return seen.wheel_drop_right;
-    case oi::Event::bump: return seen.bump_left || seen.bump_right;
-    case oi::Event::left_bump: return seen.bump_left;
-    case oi::Event::right_bump: return seen.bump_right;
-    case oi::Event::virtual_wall: return seen.virtual_wall;
-    case oi::Event::wall: return seen.wall;
-    case oi::Event::cliff: return seen.any_cliff();
-    case oi::Event::left_cliff: return seen.cliff_left.cliff;
-    case oi::Event::front_left_cliff: return seen.cliff_front_left.cliff;
-    case oi::Event::front_right_cliff: return seen.cliff_front_right.cliff;
-    case oi::Event::right_cliff: return seen.cliff_right.cliff;
-    case oi::Event::home_base: return seen.home_base;
-    case oi::Event::advance_button: return seen.advance_button;
-    case oi::Event::play_button: return seen.play_button;
-    case oi::Event::digital_input_0: return seen.digital[0];
-    case oi::Event::digital_input_1: return seen.digital[1];
-    case oi::Event::digital_input_2: return seen.digital[2];
-    case oi::Event::digital_input_3: return seen.digital[3];
-    case oi::Event::mode_passive: return mode == oi::Mode::passive;
+    case oi::ScriptEvent::wheel_drop: return seen.any_wheel_drop();
+    case oi::ScriptEvent::front_wheel_drop: return seen.wheel_drop_caster;
+    case oi::ScriptEvent::left_wheel_drop: return seen.wheel_drop_left;
+    case oi::ScriptEvent::right_wheel_drop: return seen.wheel_drop_right;
+    case oi::ScriptEvent::bump: return seen.bump_left || seen.bump_right;
+    case oi::ScriptEvent::left_bump: return seen.bump_left;
+    case oi::ScriptEvent::right_bump: return seen.bump_right;
+    case oi::ScriptEvent::virtual_wall: return seen.virtual_wall;
+    case oi::ScriptEvent::wall: return seen.wall;
+    case oi::ScriptEvent::cliff: return seen.any_cliff();
+    case oi::ScriptEvent::left_cliff: return seen.cliff_left.cliff;
+    case oi::ScriptEvent::front_left_cliff: return seen.cliff_front_left.cliff;
+    case oi::ScriptEvent::front_right_cliff: return seen.cliff_front_right.cliff;
+    case oi::ScriptEvent::right_cliff: return seen.cliff_right.cliff;
+    case oi::ScriptEvent::home_base: return seen.home_base;
+    case oi::ScriptEvent::advance_button: return seen.advance_button;
+    case oi::ScriptEvent::play_button: return seen.play_button;
+    case oi::ScriptEvent::digital_input_0: return seen.digital[0];
+    case oi::ScriptEvent::digital_input_1: return seen.digital[1];
+    case oi::ScriptEvent::digital_input_2: return seen.digital[2];
+    case oi::ScriptEvent::digital_input_3: return seen.digital[3];
+    case oi::ScriptEvent::mode_passive: return mode == oi::Mode::passive;
   }
   return false;
 }
@@ -46,7 +46,7 @@ bool Wait::over(const View& view) const {
     case Kind::distance: return reached(view.distance_mm);
     case Kind::angle: return reached(view.angle_deg);
     case Kind::event: {
-      const auto event = static_cast<oi::Event>(std::abs(target_));
+      const auto event = static_cast<oi::ScriptEvent>(std::abs(target_));
       return happens(event, *view.seen, view.mode) == (target_ > 0);
     }
   }

@@ -11,7 +11,7 @@
 namespace cargobay::hal::sim {
 
 // Whether the event, one of 1 to 22, is true.
-bool happens(oi::Event event, const Inputs& seen, oi::Mode mode);
+bool happens(oi::ScriptEvent event, const Inputs& seen, oi::Mode mode);
 
 class Wait {
  public:
@@ -56,7 +56,7 @@ class Wait {
 
  private:
   enum class Kind : std::uint8_t { none, time, distance, angle, event };
-  static constexpr std::int32_t kEvents = static_cast<std::int32_t>(oi::Event::mode_passive);
+  static constexpr std::int32_t kEvents = static_cast<std::int32_t>(oi::ScriptEvent::mode_passive);
 
   void begin(Kind kind) { kind_ = kind; }
   bool over(const View& view) const;

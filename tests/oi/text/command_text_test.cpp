@@ -497,8 +497,8 @@ TEST(ValueNames, AreTheRatesOfTheBaudCodes) {
 
 TEST(ValueNames, AreThoseOfTheEnumerators) {
   const ArgumentInfo& event = kCommandInfo<158>.argument_slots[0];
-  EXPECT_EQ(named_value(event, "cliff"), static_cast<int>(Event::cliff));
-  EXPECT_EQ(named_value(event, "no_home_base"), static_cast<int>(inverse(Event::home_base)));
+  EXPECT_EQ(named_value(event, "cliff"), static_cast<int>(ScriptEvent::cliff));
+  EXPECT_EQ(named_value(event, "no_home_base"), static_cast<int>(inverse(ScriptEvent::home_base)));
   for (int value = 1; value <= 22; ++value)
     EXPECT_EQ("no_" + std::string{value_name(event, value)}, value_name(event, -value));
   const ArgumentInfo& demo = kCommandInfo<136>.argument_slots[0];

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/sim/line/rate_change.hpp"
+#include "hal/sim/line/host_rate_change.hpp"
 #include "oi/dialect.hpp"
 #include "tests/sim/robot.hpp"
 
@@ -131,7 +131,7 @@ TEST(Baud, LosesBytesThatComeTooFastAt115200) {
   EXPECT_EQ(robot.device.counters().bytes_unheard, 1U);
 }
 
-TEST(RateChange, PutsABaudCommandAndWhatIsBeforeItAtTheFormerRate) {
+TEST(HostRateChange, PutsABaudCommandAndWhatIsBeforeItAtTheFormerRate) {
   EXPECT_EQ(sent_before_change(Bytes{129, 7}, 19200), 2U);
   EXPECT_EQ(sent_before_change(Bytes{128, 129, 7, 128}, 19200), 3U);
   EXPECT_EQ(sent_before_change(Bytes{128, 129, 7}, 57600), 0U);
@@ -140,9 +140,9 @@ TEST(RateChange, PutsABaudCommandAndWhatIsBeforeItAtTheFormerRate) {
   EXPECT_EQ(sent_before_change(Bytes{129, 7}, 12345), 0U);
 }
 
-TEST(RateChange, FindsABaudCommandThatComesInPieces) {
+TEST(HostRateChange, FindsABaudCommandThatComesInPieces) {
   const rt::TimePoint begin{3600s};
-  RateChange change;
+  HostRateChange change;
   EXPECT_FALSE(change.under_way());
   change.begin(115200, 57600, 0, begin);
   ASSERT_TRUE(change.under_way());
@@ -161,9 +161,9 @@ TEST(RateChange, FindsABaudCommandThatComesInPieces) {
   EXPECT_EQ(change.former(), 115200U);
 }
 
-TEST(RateChange, FindsABaudCommandThatHadBegun) {
+TEST(HostRateChange, FindsABaudCommandThatHadBegun) {
   const rt::TimePoint begin{3600s};
-  RateChange change;
+  HostRateChange change;
   change.begin(115200, 57600, 129, begin);
   EXPECT_EQ(change.before(), 0U);
   change.keep(Bytes{10, 128}, begin + 20ms);
@@ -174,9 +174,9 @@ TEST(RateChange, FindsABaudCommandThatHadBegun) {
   EXPECT_EQ(change.before(), 0U);
 }
 
-TEST(RateChange, KeepsWhatIsNoBaudCommandForAFewMillisecondsOnly) {
+TEST(HostRateChange, KeepsWhatIsNoBaudCommandForAFewMillisecondsOnly) {
   const rt::TimePoint begin{3600s};
-  RateChange change;
+  HostRateChange change;
   change.begin(57600, 19200, 0, begin);
   change.keep(Bytes{128}, begin + 30ms);
   EXPECT_EQ(change.decided_at(), begin + 35ms);
@@ -186,15 +186,15 @@ TEST(RateChange, KeepsWhatIsNoBaudCommandForAFewMillisecondsOnly) {
   EXPECT_EQ(change.kept().size(), 2U);
 }
 
-TEST(RateChange, KeepsNoMoreThanItHasRoomFor) {
+TEST(HostRateChange, KeepsNoMoreThanItHasRoomFor) {
   const rt::TimePoint begin{3600s};
-  RateChange change;
+  HostRateChange change;
   change.begin(57600, 19200, 0, begin);
   EXPECT_EQ(change.room(100), 100U);
   change.keep(Bytes(60, 0), begin);
   EXPECT_EQ(change.room(100), 40U);
   EXPECT_EQ(change.room(50), 0U);
-  change.keep(Bytes(RateChange::kMostBytes - 60, 0), begin);
+  change.keep(Bytes(HostRateChange::kMostBytes - 60, 0), begin);
   EXPECT_EQ(change.room(4096), 0U);
   EXPECT_EQ(change.decided_at(), begin) << "at once";
 }

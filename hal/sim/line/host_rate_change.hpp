@@ -28,14 +28,14 @@ constexpr std::size_t sent_before_change(std::span<const std::uint8_t> bytes, st
 }
 
 // Lasts from a change of the host's rate until it is known what was sent before; keeps the bytes.
-class RateChange {
+class HostRateChange {
  public:
   static constexpr std::size_t kMostBytes = 512;
 
   // The host has changed its rate, and the robot listened at the former one. `last` is the last
   // byte that came before.
   void begin(std::uint32_t former, std::uint32_t baud, std::uint8_t last, rt::TimePoint now) {
-    *this = RateChange{};
+    *this = HostRateChange{};
     last_ = last;
     former_ = former;
     baud_ = baud;
