@@ -81,6 +81,24 @@ TEST(ControlSocket, TakesThePortAwayAndBringsItBack) {
   EXPECT_EQ(again.ask({142, 35}, 1), (Bytes{2})) << "the robot did not notice";
 }
 
+TEST(ControlSocket, TakesThePortAwayAndBringsItBackAtATime) {
+  Bench bench;
+  ASSERT_TRUE(bench.started);
+  const Caller caller{bench.path};
+  const SerialClient client{bench.link};
+  EXPECT_EQ(client.ask({128, 131, 142, 35}, 1), (Bytes{2}));
+  EXPECT_EQ(caller.ask("at 0 fault unplugged"), "ok");  // which is past
+  std::uint8_t byte = 0;
+  EXPECT_TRUE(eventually([&] {
+    const ssize_t count = read(client.descriptor(), &byte, 1);
+    return count == 0 || (count < 0 && errno == EIO);
+  })) << "hung up";
+  EXPECT_EQ(caller.ask("at 0 fault replugged"), "ok");
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(bench.link); }));
+  const SerialClient again{bench.link};
+  EXPECT_EQ(again.ask({142, 35}, 1), (Bytes{2})) << "the robot did not notice";
+}
+
 TEST(ControlSocket, BringsThePortBackWithTheEndOfAllFaults) {
   Bench bench;
   ASSERT_TRUE(bench.started);

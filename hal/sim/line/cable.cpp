@@ -84,6 +84,14 @@ void Cable::at(rt::Duration time, std::function<void(Cable&)> deed) {
   do_what_is_due();
 }
 
+void Cable::set_plugged(bool plugged) {
+  // To put it back ends a silence too.
+  const bool silent = !plugged && !on_plug;
+  faults_to_host().unplugged = silent;
+  faults_to_robot().unplugged = silent;
+  if (on_plug) on_plug(plugged);
+}
+
 void Cable::do_what_is_due() {
   while (!later_.empty() && later_.begin()->first <= now()) {
     const auto due = later_.extract(later_.begin());

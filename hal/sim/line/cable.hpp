@@ -65,6 +65,10 @@ class Cable {
   std::size_t take(std::span<std::uint8_t> bytes);
   void discard() { arrived_.clear(); }
 
+  // Pulls the plug, or puts it back. Called instead of making the line silent, if it is set: a
+  // served robot's port disappears. It may be called in the middle of an advance.
+  std::function<void(bool plugged)> on_plug{};
+  void set_plugged(bool plugged);
   // What goes wrong on the way; may be changed at any time.
   LineFaults& faults_to_host() { return to_host_faults_.faults(); }
   LineFaults& faults_to_robot() { return to_robot_faults_.faults(); }

@@ -54,6 +54,7 @@ Server::Server(const Parameters& parameters, const ServerOptions& options,
       device_{parameters},
       cable_{device_},
       truth_{std::max<std::size_t>(options.truth_samples, 1)} {
+  cable_.on_plug = [this](bool plugged) { plug_ = plugged; };
   device_.on_tick = [this](const Device& device) {
     if (truth_.full()) truth_.pop_front();
     (void)truth_.push_back({.time = monotonic(device.now()),  // has room: reserved above
@@ -125,6 +126,13 @@ rt::TimePoint Server::step() {
   if (port_) port_->update_clients(rt::Clock::now());
   catch_up(rt::Clock::now());
   if (port_) take_from_host();
+  if (plug_) {
+    if (*plug_) {
+      (void)plug_in();  // nobody would hear why not
+    } else {
+      pull_out();
+    }
+  }
   watch_spacing();
   rt::TimePoint next = monotonic(cable_.next_batch(options_.batch_bytes));
   if (port_) next = std::min(next, port_->clients().next_update());
@@ -279,22 +287,33 @@ void Server::with_cable(const std::function<void(Cable&)>& change) {
 void Server::unplug() {
   {
     const std::lock_guard lock{mutex_};
-    port_.reset();
-    change_.end();
-    spacing_.reset();  // it belonged to that port
+    pull_out();
   }
   wake();
+}
+
+void Server::pull_out() {
+  plug_.reset();
+  port_.reset();
+  change_.end();
+  spacing_.reset();  // it belonged to that port
 }
 
 Result<void> Server::replug() {
   {
     const std::lock_guard lock{mutex_};
-    if (port_) return {};
-    Result<std::unique_ptr<PtyPort>> port = PtyPort::open(options_.link, cable_.host_baud());
-    if (!port) return port.failure();
-    port_ = std::move(*port);
+    if (auto done = plug_in(); !done) return done;
   }
   wake();
+  return {};
+}
+
+Result<void> Server::plug_in() {
+  plug_.reset();
+  if (port_) return {};
+  Result<std::unique_ptr<PtyPort>> port = PtyPort::open(options_.link, cable_.host_baud());
+  if (!port) return port.failure();
+  port_ = std::move(*port);
   return {};
 }
 

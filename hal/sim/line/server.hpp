@@ -123,6 +123,8 @@ class Server {
   void settle_rate();
   void end_rate_change();
   void wake();
+  void pull_out();
+  Result<void> plug_in();
   // Gives up the descriptors that the program has closed, and ends the thread: the robot can
   // no longer be reached.
   void lose_descriptors();
@@ -133,6 +135,7 @@ class Server {
   std::unique_ptr<PtyPort> port_;
   Device device_;
   Cable cable_;
+  std::optional<bool> plug_{};  // what a fault has done to the port; step() does it
   // Lasts while a client has the port open at a rate that needs spacing.
   struct Spacing {
     explicit Spacing(const std::string& path) : writes{path} {}

@@ -34,9 +34,9 @@ bool set_probability(double ByteFaults::* fault, std::string_view rest, Cable& c
   return true;
 }
 
-bool set_unplugged(bool unplugged, Cable& cable) {
-  cable.faults_to_host().unplugged = unplugged;
-  cable.faults_to_robot().unplugged = unplugged;
+bool set_plugged(std::string_view rest, bool plugged, Cable& cable) {
+  if (!no_more_words(rest)) return false;
+  cable.set_plugged(plugged);
   return true;
 }
 
@@ -111,6 +111,7 @@ bool end_all(Cable& cable) {
   cable.faults_to_host() = {};
   cable.faults_to_robot() = {};
   cable.device().faults() = {};
+  cable.set_plugged(true);
   return true;
 }
 
@@ -149,13 +150,9 @@ constexpr std::array kFaults{
               "each Nth frame is held back for that long, and what follows queues; 0 ends it",
               &set_held},
     FaultInfo{"unplugged", "", "nothing passes through the line",
-              [](std::string_view rest, Cable& cable) {
-                return no_more_words(rest) && set_unplugged(true, cable);
-              }},
+              [](std::string_view rest, Cable& cable) { return set_plugged(rest, false, cable); }},
     FaultInfo{"replugged", "", "the line is whole again",
-              [](std::string_view rest, Cable& cable) {
-                return no_more_words(rest) && set_unplugged(false, cable);
-              }},
+              [](std::string_view rest, Cable& cable) { return set_plugged(rest, true, cable); }},
     FaultInfo{"brown-out", "",
               "the battery fails for an instant: the robot boots and has forgotten everything",
               [](std::string_view rest, Cable& cable) {
