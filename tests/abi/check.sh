@@ -27,7 +27,7 @@ fi
 run() {
   local name=$1 headers=$2
   shift 2
-  ${CC:-cc} -std=c99 -I "$headers" -I tests/capi -o "$work/$name" "$@" "$library" -lm
+  ${CC:-cc} -std=c99 -I "$headers" -I tests/capi -o "$work/$name" "$@" "$library" -lm -pthread
   if CARGOBAY_COMMAND=$command CARGOBAY_GUARD=$(dirname "$command")/cargobay-guard \
     LD_LIBRARY_PATH=$(dirname "$library") CARGOBAY_SANITIZED=1 "$work/$name"; then
     echo "ok: $name"
@@ -48,6 +48,7 @@ awk '
   END { if (count < 9) { print "found hardly a struct that grows" > "/dev/stderr"; exit 1 } }
 ' hal/c/cargobay.h > "$work/later/cargobay.h"
 run later_header "$work/later" tests/capi/virtual_time.c
+run later_header_control "$work/later" tests/capi/control.c
 
 if [[ $(uname -m) != x86_64 ]]; then
   echo "no dump of this architecture: not compared"
