@@ -45,6 +45,12 @@ write_basic_package_version_file(${install_dir}/cargobayConfigVersion.cmake
   COMPATIBILITY SameMajorVersion)
 install(FILES ${install_dir}/cargobayConfig.cmake ${install_dir}/cargobayConfigVersion.cmake
   DESTINATION ${package_dir} COMPONENT development)
+# Wherever it is installed: cmake --install --prefix does not configure again.
+set(pc_prefix ${CMAKE_INSTALL_PREFIX})
+if(NOT IS_ABSOLUTE ${CMAKE_INSTALL_LIBDIR})
+  file(RELATIVE_PATH pc_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+  string(REGEX REPLACE "(.*)/$" "\${pcfiledir}/\\1" pc_prefix ${pc_prefix})
+endif()
 configure_file(.cmake/cargobay.pc.in ${install_dir}/cargobay.pc @ONLY)
 install(FILES ${install_dir}/cargobay.pc
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)

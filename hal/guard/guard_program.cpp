@@ -102,6 +102,31 @@ std::string built(const fs::path& object) {
   return CARGOBAY_GUARD_BUILT;
 }
 
+// The prefix that the file was installed in, if it is in a folder of an installation.
+std::optional<fs::path> prefix_of(const fs::path& object) {
+  for (const fs::path folder : {CARGOBAY_LIBDIR, CARGOBAY_BINDIR}) {
+    if (object.empty() || folder.is_absolute()) continue;
+    fs::path prefix = object.parent_path();
+    bool within = true;
+    for (auto part = folder.end(); within && part != folder.begin(); prefix = prefix.parent_path())
+      within = *--part == prefix.filename();
+    if (within) return prefix;
+  }
+  return std::nullopt;
+}
+
+// That of the installation which the code belongs to, if others have no say in it.
+Result<std::string> installed(const fs::path& object, const std::vector<uid_t>& owners) {
+  const auto prefix = prefix_of(object);
+  auto own =
+      trusted(prefix ? *prefix / CARGOBAY_GUARD_IN_PREFIX : CARGOBAY_GUARD_INSTALLED, owners);
+  if (own) return own;
+  auto configured = trusted(CARGOBAY_GUARD_INSTALLED, owners);
+  if (configured) return configured;
+  // The one that is there, but may not be run, is the one to mend.
+  return own.failure().code == std::errc::operation_not_permitted ? own : configured;
+}
+
 }  // namespace
 
 Result<std::string> guard_program(const std::string& wanted) {
@@ -116,12 +141,12 @@ Result<std::string> guard_program(const std::string& wanted) {
     if (stat(object.c_str(), &file) == 0) owners.push_back(file.st_uid);
     return trusted(path, owners);
   }
-  auto installed = trusted(CARGOBAY_GUARD_INSTALLED, owners);
-  if (installed) return installed;
-  return Failure{installed.failure().message +
+  auto found = installed(object, owners);
+  if (found) return found;
+  return Failure{found.failure().message +
                      "; install it, or name it in CARGOBAY_GUARD (which a program with the rights "
                      "of another user ignores)",
-                 installed.failure().code};
+                 found.failure().code};
 }
 
 }  // namespace cargobay::hal

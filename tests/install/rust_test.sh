@@ -31,10 +31,8 @@ if (($# == 1)); then
   fi
   found=$(find "$prefix" -name cargobay.pc -print -quit)
   [[ -n $found ]] || { echo "rust_test.sh: no cargobay.pc below $1" >&2; exit 2; }
-  # It names the prefix of the configuration, and that may be another.
-  mkdir "$work/pkgconfig"
-  sed "s|^prefix=.*|prefix=$prefix|" "$found" > "$work/pkgconfig/cargobay.pc"
-  export PKG_CONFIG_PATH=$work/pkgconfig
+  PKG_CONFIG_PATH=$(dirname "$found")
+  export PKG_CONFIG_PATH
 fi
 pkg-config --exists cargobay ||
   { echo "SKIPPED: pkg-config finds no cargobay: apt-get install libcargobay-dev"; exit 77; }
