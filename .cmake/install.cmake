@@ -59,6 +59,8 @@ file(GLOB examples CONFIGURE_DEPENDS examples/*.c examples/*.cpp)
 file(GLOB worlds CONFIGURE_DEPENDS examples/worlds/*.world)
 install(FILES ${examples} examples/CMakeLists.txt examples/README.md DESTINATION ${examples_dir}
   COMPONENT development)
+file(GLOB loops CONFIGURE_DEPENDS examples/loops/*)
+install(FILES ${loops} DESTINATION ${examples_dir}/loops COMPONENT development)
 install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT development)
 install(DIRECTORY examples/rust DESTINATION ${examples_dir} COMPONENT development
   PATTERN .gitignore EXCLUDE PATTERN target EXCLUDE PATTERN Cargo.lock EXCLUDE)

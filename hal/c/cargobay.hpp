@@ -1464,10 +1464,10 @@ class Robot {
   Expected<std::vector<std::chrono::nanoseconds>> store_tune(std::uint32_t slot,
                                                              const std::string& rtttl) noexcept {
     std::array<std::int64_t, 16> durations_ns{};
-    const int slots = cargobay_store_tune(handle(), slot, rtttl.c_str(), durations_ns.data(),
-                                          durations_ns.size());
-    if (slots < 0) return detail::failure(slots);
-    const auto used = std::span{durations_ns}.first(static_cast<std::size_t>(slots));
+    const int used_slots = cargobay_store_tune(handle(), slot, rtttl.c_str(), durations_ns.data(),
+                                               durations_ns.size());
+    if (used_slots < 0) return detail::failure(used_slots);
+    const auto used = std::span{durations_ns}.first(static_cast<std::size_t>(used_slots));
     return std::vector<std::chrono::nanoseconds>(used.begin(), used.end());
   }
 
