@@ -931,6 +931,8 @@ inline std::optional<Setting> setting(std::uint32_t index) noexcept {
 
 // --- virtual Create -------------------------------------------------------------------------
 
+class Sim;
+
 // Like struct cargobay_sim_options: 0 and "" are the default.
 struct SimOptions {
   SimTime time = SimTime::real_time;
@@ -939,19 +941,26 @@ struct SimOptions {
   std::uint32_t boot_baud = 0;
   std::string link{};
   std::string world{};
+  Sim* beside = nullptr;  // outlives this one
+  std::string plant{};
   std::chrono::nanoseconds lag{0};
   double gain_left = 0.0;
   double gain_right = 0.0;
   double noise_mm_s = 0.0;
   double wheel_base_mm = 0.0;
-  std::string plant{};
 };
 
-// struct cargobay_sim. Declare it before the robot that uses it, so that it is destroyed after it.
+// struct cargobay_sim. Declare it before the robot that uses it and before those `beside` it, so
+// that it is destroyed after them.
 class Sim {
  public:
   // cargobay_sim_open().
   static Expected<Sim> open(const SimOptions& options = {}) noexcept {
+    // NULL would mean a world of its own.
+    if (options.beside != nullptr && options.beside->handle() == nullptr) {
+      return Unexpected{
+          Error{.code = ErrorCode::handle, .message = "the virtual Create `beside` is closed"}};
+    }
     auto plain = detail::sized<cargobay_sim_options>();
     plain.time = static_cast<std::int32_t>(options.time);
     plain.seed = options.seed;
@@ -959,12 +968,13 @@ class Sim {
     plain.boot_baud = options.boot_baud;
     plain.link = detail::or_null(options.link);
     plain.world = detail::or_null(options.world);
+    plain.beside = options.beside != nullptr ? options.beside->handle() : nullptr;
+    plain.plant = detail::or_null(options.plant);
     plain.lag_ns = options.lag.count();
     plain.gain_left = options.gain_left;
     plain.gain_right = options.gain_right;
     plain.noise_mm_s = options.noise_mm_s;
     plain.wheel_base_mm = options.wheel_base_mm;
-    plain.plant = detail::or_null(options.plant);
     cargobay_sim* handle = nullptr;
     if (const int code = cargobay_sim_open(&plain, &handle); code < 0) return detail::failure(code);
     return Sim{handle};

@@ -44,6 +44,9 @@ struct RobotObject {
   RobotObject& operator=(const RobotObject&) = delete;
 
   bool in_virtual_time() const { return opening.virtual_time; }
+  // Held by start, end and set_control; in virtual time by everything that moves it, for all robots
+  // of the world.
+  std::timed_mutex& owner() { return in_virtual_time() ? opening.sim->world().owner : owner_; }
   double wheel_base_mm() const { return opening.wanted.cycle.loop.estimator.wheel_base_mm; }
 
   // By the owner: the program's function from now on, or none. CARGOBAY_OK, or CARGOBAY_E_STALLED
@@ -77,9 +80,9 @@ struct RobotObject {
   std::mutex subscribing;
 
   std::atomic<bool> closing{false};
-  std::timed_mutex owner;  // for start, end, set_control; in virtual time for everything
 
  private:
+  std::timed_mutex owner_;
   friend class SessionUse;
   std::unique_ptr<Session> session_owner_{};
   std::atomic<Session*> session_{nullptr};

@@ -111,6 +111,7 @@ hal::ControlAnswer decide(void* context, const hal::CycleState& state, double /*
 }  // namespace
 
 Session::~Session() {
+  if (hal::sim::VirtualLink* const link = virtual_link()) link->set_pass({});
   if (robot) (void)robot->stop();
   recording.reset();  // it reads what the robot's recorder holds
 }
@@ -198,6 +199,8 @@ int Session::start() {
   }
   if (object.in_virtual_time()) {
     robot->start_stepped(control());
+    // While time moves for another robot of the world.
+    virtual_link()->set_pass([this] { step(robot->now()); });
     grant.emplace();
   } else {
     auto granted = robot->start(control());
@@ -218,7 +221,19 @@ int Session::start() {
   return CARGOBAY_OK;
 }
 
+void Session::step(rt::TimePoint until) {
+  if (robot->ended()) return;
+  (void)robot->step(until);
+  if (recording) recording->append();
+}
+
+// What moves it in virtual time; none in real time.
+hal::sim::VirtualLink* Session::virtual_link() const {
+  return object.in_virtual_time() ? object.opening.sim->link.get() : nullptr;
+}
+
 void Session::end() {
+  if (hal::sim::VirtualLink* const link = virtual_link()) link->set_pass({});
   const hal::Robot::Farewell left = robot->stop();
   {
     const std::lock_guard lock{ending_};

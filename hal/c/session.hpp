@@ -15,6 +15,10 @@
 #include "hal/robot/robot.hpp"
 #include "rt/nonblocking.hpp"
 
+namespace cargobay::hal::sim {
+class VirtualLink;
+}  // namespace cargobay::hal::sim
+
 namespace cargobay::c {
 
 struct RobotObject;
@@ -39,6 +43,8 @@ struct Session {
   // By the owner. `end` is idempotent.
   int start();
   void end();
+  // In virtual time: runs the loop until it has answered a frame, or until then.
+  void step(rt::TimePoint until);
   // After that: CARGOBAY_OK, or why it ended.
   int outcome();
 
@@ -67,6 +73,7 @@ struct Session {
   std::mutex requests;          // the one producer of the cycle's ring
 
  private:
+  hal::sim::VirtualLink* virtual_link() const;
   int record();
   int publish_record();
 

@@ -19,6 +19,7 @@
 #include "hal/sim/line/server.hpp"
 #include "hal/sim/remote/control.hpp"
 #include "hal/sim/remote/control_socket.hpp"
+#include "hal/sim/world/bodies.hpp"
 #include "hal/sim/world/path_recorder.hpp"
 #include "hal/sim/world/world.hpp"
 #include "hal/sim/world/world_drawing.hpp"
@@ -38,6 +39,7 @@ struct ServeOptions {
   std::string trace;
   std::vector<std::string> faults;
   std::size_t count = 1;
+  bool together = false;
   std::uint32_t boot_baud = oi::kCreate.default_baud;
   std::size_t batch_bytes = hal::sim::ServerOptions{}.batch_bytes;
   int priority = 0;
@@ -89,8 +91,22 @@ void protect_places(const ServeOptions& options, Outputs& outputs) {
   }
 }
 
+// What the robots live in; outlives them.
+struct Surroundings {
+  hal::sim::World world{};
+  hal::sim::Bodies bodies{};
+};
+
+void put_into(Surroundings& surroundings, const ServeOptions& options, hal::sim::Device& device) {
+  if (options.together) {
+    hal::sim::inhabit(device, surroundings.world, surroundings.bodies, surroundings.bodies.enter());
+  } else if (!options.world.empty()) {
+    hal::sim::inhabit(device, surroundings.world);
+  }
+}
+
 // Opens the robot's port and control socket; nothing runs yet.
-hal::Result<void> open(const ServeOptions& options, std::size_t index, const hal::sim::World& world,
+hal::Result<void> open(const ServeOptions& options, std::size_t index, Surroundings& surroundings,
                        Outputs& outputs, Served& robot) {
   hal::sim::ServerOptions server_options{.link = numbered(options.link, index, options.count),
                                          .priority = options.priority,
@@ -111,10 +127,8 @@ hal::Result<void> open(const ServeOptions& options, std::size_t index, const hal
   robot.server = std::move(*server);
   schedule(options.sim, *robot.server);
   robot.announced = robot.server->path();
-  if (!options.world.empty()) {
-    robot.server->with_device(
-        [&world](hal::sim::Device& device) { hal::sim::inhabit(device, world); });
-  }
+  robot.server->with_device(
+      [&](hal::sim::Device& device) { put_into(surroundings, options, device); });
   if (options.control.empty()) return {};
   auto control =
       hal::sim::ControlSocket::open(numbered(options.control, index, options.count), *robot.server);
@@ -172,18 +186,18 @@ int run(const ServeOptions& options) {
     return fail(fmt::format("the robot does not support {} baud; choose 57600 or 19200",
                             options.boot_baud));
   }
-  hal::sim::World world;
+  Surroundings surroundings;
   if (!options.world.empty()) {
     auto loaded = hal::sim::World::load(options.world);
     if (!loaded) return fail(loaded.failure().message);
-    world = std::move(*loaded);
+    surroundings.world = std::move(*loaded);
   }
   std::vector<PlannedFault> faults = planned_faults(options);
   std::vector<Served> robots(options.count);
   Outputs outputs;
   protect_places(options, outputs);
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (const auto done = open(options, i, world, outputs, robots[i]); !done)
+    if (const auto done = open(options, i, surroundings, outputs, robots[i]); !done)
       return fail(done.failure().message);
   }
   const auto later = std::find_if(faults.begin(), faults.end(), [](const PlannedFault& fault) {
@@ -210,7 +224,7 @@ int run(const ServeOptions& options) {
     robot.control.reset();
     robot.server->stop();
   }
-  return write_traces(world, robots, outputs);
+  return write_traces(surroundings.world, robots, outputs);
 }
 
 std::string footer() {
@@ -260,6 +274,9 @@ void add_places(CLI::App& command, ServeOptions& options) {
                   "more than the last")
       ->check(CLI::Range(std::size_t{1}, kMostRobots))
       ->capture_default_str();
+  command.add_flag("--together", options.together,
+                   "Put all of --count into one world, where they are in each other's way: each at "
+                   "its own start or, without one, half a metre to the left of the one before");
   command
       .add_option("--fault", options.faults,
                   "Inject this fault from the beginning, or after 'at SECONDS', as in --fault "

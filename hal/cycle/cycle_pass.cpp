@@ -72,9 +72,12 @@ CycleEnd CyclePass::finish() CARGOBAY_NONBLOCKING {
 
 // One wait, one read, and if frames are complete, one write.
 CyclePass::Step CyclePass::pass_once() CARGOBAY_NONBLOCKING {
-  const ByteStream::Wait woken = stream_.wait(wake_time());
+  if (!wait_.left) wait_.until = wake_time();
+  const ByteStream::Wait woken = stream_.wait(wait_.until);
+  wait_.left = woken == ByteStream::Wait::left;
+  if (wait_.left) return Step::on;
   const rt::TimePoint now = stream_.now();
-  woken_ = now;
+  wait_.woken = now;
   passed_ns_.store(rt::nanoseconds(now), std::memory_order_relaxed);
   if (look_after_guard(now) == Step::ended) return Step::ended;
   silence_.take_up_announced(now);
@@ -130,7 +133,7 @@ void CyclePass::see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
 void CyclePass::report(const Event& event, std::int64_t tick) CARGOBAY_NONBLOCKING {
   Event told = event;
   told.tick = tick;
-  told.time = woken_;
+  told.time = wait_.woken;
   outlets_.report(told);
   if (observer_.event != nullptr) observer_.event(observer_.context, told);
 }
@@ -293,8 +296,9 @@ CyclePass::Step CyclePass::hold() CARGOBAY_NONBLOCKING {
     mode = parameters_.drive_mode;
     mode_watch_.rearm();
   }
-  return sender_.keep(list, mode, moment(woken_)) == Sent::failed ? hung_up(sender_.port_error())
-                                                                  : Step::on;
+  return sender_.keep(list, mode, moment(wait_.woken)) == Sent::failed
+             ? hung_up(sender_.port_error())
+             : Step::on;
 }
 
 FrameList CyclePass::next_list() CARGOBAY_NONBLOCKING {
@@ -312,7 +316,7 @@ FrameList CyclePass::next_list() CARGOBAY_NONBLOCKING {
 
 CommandSender::Moment CyclePass::moment(rt::TimePoint now) const CARGOBAY_NONBLOCKING {
   return {.now = now,
-          .woken = woken_,
+          .woken = wait_.woken,
           .frames_read = !receiver_.empty(),
           .mode = mode_watch_.mode(),
           .set_stands = loop_.set() == rt::WheelSpeeds{}};

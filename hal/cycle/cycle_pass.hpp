@@ -98,7 +98,12 @@ class CyclePass {
   Bumps bumps_{};
   bool steered_ = false;  // by the control function, not by setpoints
   Hazards mode_loss_causes_{};
-  rt::TimePoint woken_{};
+  struct Wait {
+    rt::TimePoint until{};
+    bool left = false;  // before it was over: goes on in the next pass
+    rt::TimePoint woken{};
+  };
+  Wait wait_{};
   CycleEnd end_ = CycleEnd::asked;
   // Relaxed, all three: each carries nothing but itself.
   std::atomic<bool> stop_requested_{false};

@@ -33,6 +33,7 @@ bool pause(ByteStream& stream, rt::Duration duration) {
     switch (stream.wait(until)) {
       case ByteStream::Wait::hung_up: return false;
       case ByteStream::Wait::timed_out: return true;
+      case ByteStream::Wait::left: break;
       case ByteStream::Wait::ready:
         if (stream.read(bytes).error != 0) return false;
     }

@@ -6,7 +6,7 @@ namespace cargobay::hal {
 
 ByteStream::Wait RecordingStream::wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING {
   const Wait outcome = stream().wait(deadline);
-  recorder_.waited(outcome);
+  if (outcome != Wait::left) recorder_.waited(outcome);
   return outcome;
 }
 

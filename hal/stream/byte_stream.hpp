@@ -26,6 +26,7 @@ class ByteStream {
     ready,      // at least the wake threshold can be read
     timed_out,  // the deadline passed; fewer bytes than the threshold may have arrived
     hung_up,    // the other side is gone and will not come back
+    left,       // not over: in virtual time, while another stream moves it; wait again
   };
   struct Transfer {
     std::size_t count = 0;  // bytes moved; 0 with error 0 if there was nothing to move

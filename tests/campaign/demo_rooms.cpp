@@ -70,7 +70,7 @@ Way way_to_base(const RandomRoom& room, const FloorMap& floor) {
 
 bool starts_in_sight(const RandomRoom& room) {
   hal::sim::Inputs inputs;
-  room.world.sense(room.world.start, inputs);
+  room.world.sense(room.world.start(), inputs);
   return inputs.infrared != hal::sim::kNoInfrared;
 }
 
@@ -168,7 +168,7 @@ void run_cover(const Options& options, Promises& promises) {
     RandomRoom room = random_room(seed, Furnished::for_cover);
     room.world.home_base.reset();
     FloorMap floor{room};
-    if (!floor.reaches({room.world.start.x_mm, room.world.start.y_mm})) continue;
+    if (!floor.reaches({room.world.start().x_mm, room.world.start().y_mm})) continue;
     Run run{room, DemoNumber::cover, robot(seed, hal::sim::kAllAroundDeg)};
     for (std::size_t i = 0; i < kMinutes.size(); ++i) {
       while (!run.over() && run.time_s() < 60.0 * kMinutes[i]) {

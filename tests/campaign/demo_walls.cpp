@@ -40,7 +40,7 @@ bool way_is_free(const RandomRoom& room, Point from, Point lamp, double begin_mm
 // From the start to each wall, and from one wall to the other.
 bool ways_are_free(const RandomRoom& room) {
   const auto& lamps = room.world.virtual_walls;
-  const Point start{room.world.start.x_mm, room.world.start.y_mm};
+  const Point start{room.world.start().x_mm, room.world.start().y_mm};
   return std::all_of(lamps.begin(), lamps.end(), [&](const Beam& lamp) {
     return way_is_free(room, start, lamp.origin, 0.0) &&
            std::all_of(lamps.begin(), lamps.end(), [&](const Beam& other) {

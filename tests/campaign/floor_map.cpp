@@ -48,7 +48,7 @@ FloorMap::FloorMap(const RandomRoom& room) {
   rows_ = static_cast<std::size_t>(std::ceil((high.y_mm - low.y_mm) / kCellMm));
   cells_.resize(columns_ * rows_);
   look_at(room);
-  spread({room.world.start.x_mm, room.world.start.y_mm});
+  spread({room.world.start().x_mm, room.world.start().y_mm});
   widen();
 }
 

@@ -165,7 +165,7 @@ bool put_start(RandomRoom& room, Random& random, bool in_beam) {
     const WorldPose pose{at.x_mm, at.y_mm, between(random, 0.0, 360.0) * kRadPerDeg};
     if (!room.contains(at) || room.world.collide(pose) || !has_floor(room.world, pose)) continue;
     if (in_beam && !sees_virtual_wall(room.world, pose)) continue;
-    room.world.start = pose;
+    room.world.starts = {pose};
     return true;
   }
   return false;

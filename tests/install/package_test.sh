@@ -135,7 +135,7 @@ step "./first_drive, in C++" inside './first_drive'
 step "all examples by CMake" inside "rm -rf examples; cp -r $examples .
   cmake -S examples -B examples/build && cmake --build examples/build"
 step "all examples, on virtual Creates" inside 'ctest --test-dir examples/build --output-on-failure'
-for example in heading square teleop_and_back two_coroutines; do
+for example in heading one_world square teleop_and_back two_coroutines; do
   step "$example.py" inside "python3 /usr/share/doc/python3-cargobay/examples/$example.py"
 done
 step "the Python package says its version" inside "python3 -c 'import cargobay, importlib.metadata

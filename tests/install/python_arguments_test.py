@@ -204,6 +204,7 @@ class Options(Refused):
     def test_things(self):
         self.refused(TypeError, "sim", Robot, sim=5)
         self.refused(TypeError, "progress", Robot, progress=5)
+        self.refused(TypeError, "beside", Sim, beside=5)
         sim = virtual()
         sim.close()
         with self.assertRaises(HandleError):
@@ -213,7 +214,7 @@ class Options(Refused):
         from cargobay import _structs
         for kind, struct in ((Robot, _structs.Options), (Sim, _structs.SimOptions)):
             in_c = [name.removesuffix("_ns") for name, *_ in struct._fields_ if name not in
-                    ("size", "progress_context", "message", "message_size")]
+                    ("size", "progress_context", "message", "message_size", "reserved")]
             ours = [name.removesuffix("_s") if name.removesuffix("_s") in in_c else name
                     for name in inspect.signature(kind).parameters]
             # The port comes first, as what most programs give.

@@ -60,6 +60,23 @@ for first in (True, False):
 Owner()
 """)
 
+    def test_a_cycle_of_virtual_creates_in_one_world_is_collected(self):
+        self.run_program("""
+for turned in (False, True):
+    sims = [Sim()]
+    sims.append(Sim(beside=sims[0]))
+    robots = [Robot(sim=sim, **NOTHING) for sim in sims]
+    for thing in (sims, robots):
+        for one, other in zip(thing, reversed(thing)): one.other = other
+    for sim, robot in zip(sims, robots): sim.robot = robot
+    if turned: sims.reverse()
+    del sims, robots, thing, one, other, sim, robot
+    gc.collect()
+sims = [Sim()]
+sims += [Sim(beside=sims[0]) for _ in range(3)] # at the end, in any order
+Owner()
+""")
+
     def test_one_that_is_no_longer_used_is_closed_with_a_warning(self):
         said = self.run_program("""
 import warnings
@@ -201,6 +218,17 @@ class Context(unittest.TestCase):
                 sim.close()
             self.assertFalse(sim.closed)
             self.assertIs(sim.truth.mode, Mode.SAFE)
+
+    def test_of_a_virtual_create_closes_those_beside_it(self):
+        with virtual() as sim:
+            beside = Sim(beside=sim)
+            robot = Robot(sim=beside)
+            with self.assertRaises(StateError):
+                sim.close()
+            self.assertEqual(beside.truth.sim_time, sim.truth.sim_time)
+        self.assertTrue(robot.closed and beside.closed and sim.closed)
+        with self.assertRaisesRegex(HandleError, "beside"):
+            Sim(beside=sim)
 
     def test_what_closing_says_too_is_a_note(self):
         with self.assertRaisesRegex(KeyError, "planted") as caught:

@@ -85,7 +85,7 @@ class Driving(unittest.TestCase):
             self.assertIs(robot.end_report.code, ErrorCode.MODE)
 
     def test_examples(self):
-        for name in ("square", "teleop_and_back", "two_coroutines", "heading"):
+        for name in ("square", "teleop_and_back", "two_coroutines", "heading", "one_world"):
             with self.subTest(example=name):
                 done = subprocess.run(
                     [sys.executable, EXAMPLES / f"{name}.py"], text=True, stdout=subprocess.PIPE,

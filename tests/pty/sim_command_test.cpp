@@ -139,6 +139,25 @@ TEST(SimCommand, ServesSeveralEachWithItsOwnNumber) {
     EXPECT_TRUE(contents(folder.path(drawing)).starts_with("<svg ")) << drawing;
 }
 
+TEST(SimCommand, PutsSeveralIntoOneWorld) {
+  const TemporaryFolder folder;
+  Command command{{"sim", "--count", "2", "--together", "--link", folder.path("create"),
+                   "--control", folder.path("control")}};
+  ASSERT_TRUE(eventually([&] {
+    return !command.running() || std::ranges::count(command.out(), '\n') == 2;
+  })) << command.err();
+  const SerialClient first{folder.path("create.0")};
+  const SerialClient second{folder.path("create.1")};
+  const Caller caller{folder.path("control.1")};
+  EXPECT_THAT(caller.ask("state"), HasSubstr("\"y_mm\":500")) << "beside the first";
+  EXPECT_EQ(first.ask({128, 142, 7}, 1), (Bytes{0}));
+  EXPECT_EQ(caller.ask("place 330 0 180"), "ok");
+  EXPECT_TRUE(eventually([&] { return first.ask({142, 7}, 1) == Bytes{3}; }));
+  EXPECT_TRUE(eventually([&] { return second.ask({128, 142, 7}, 1) == Bytes{3}; }));
+  EXPECT_EQ(caller.ask("place 1000 0 180"), "ok");
+  EXPECT_TRUE(eventually([&] { return first.ask({142, 7}, 1) == Bytes{0}; }));
+}
+
 TEST_P(SimSignalTest, WritesTheTraceOfAWholeDriveInAWorld) {
   const TemporaryFolder folder;
   const std::string socket = folder.path("control");

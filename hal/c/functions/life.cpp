@@ -90,7 +90,7 @@ int owned(cargobay_robot* robot, const char* name, const Function& function) {
   return guarded([&] {
     const RobotUse use = robots().use(robot);
     if (!use) return bad_robot(robot);
-    const std::unique_lock lock{use->owner, std::try_to_lock};
+    const std::unique_lock lock{use->owner(), std::try_to_lock};
     if (!lock) {
       return fail(CARGOBAY_E_THREAD,
                   "another thread is in a function that belongs to this robot's owner; let one "

@@ -26,6 +26,8 @@ int open_robot(const cargobay_options& options, cargobay_robot** handle) {
   std::optional<hal::OutputFile> record;
   if (const int failed = object->opening.prepare(options, record); failed != CARGOBAY_OK)
     return failed;
+  const std::unique_lock lock{object->owner(), std::try_to_lock};
+  if (!lock) return moved_elsewhere();
   if (const int failed = object->open_session(); failed != CARGOBAY_OK) return failed;
   {
     const SessionUse session{*object};
@@ -45,7 +47,7 @@ int close_robot(cargobay_robot* robot) {
       const SessionUse session{object};
       if (session) session.cycle().request_stop();
     }
-    const std::unique_lock lock{object.owner, kOthersEnd};
+    const std::unique_lock lock{object.owner(), kOthersEnd};
     const SessionUse session{object};
     if (lock && session) session->end();
     lost = !lock || (session && session->robot->lost());

@@ -25,6 +25,17 @@ using hal::sim::Device;
 
 constexpr double kNsPerS = 1e9;
 
+void inhabit(Device& device, SimObject& sim) {
+  SimWorld& shared = sim.world();
+  hal::sim::inhabit(device, shared.world, shared.bodies, *sim.number);
+}
+
+// No two robots tick at the same instant: here each 4 ms after the one before.
+rt::Duration first_tick(std::size_t number) {
+  constexpr rt::Duration kApart = std::chrono::milliseconds{4};
+  return oi::kTick + static_cast<std::int64_t>(number) * kApart % oi::kTick;
+}
+
 // Empty if everything is in range.
 std::string complaint(const cargobay_sim_options& options) {
   if (options.time < CARGOBAY_SIM_TIME_REAL || options.time > CARGOBAY_SIM_TIME_VIRTUAL)
@@ -33,6 +44,12 @@ std::string complaint(const cargobay_sim_options& options) {
     return "`remainder` must be one of enum cargobay_remainder";
   if (options.boot_baud != 0 && !oi::kCreate.baud_code(options.boot_baud))
     return "`boot_baud` must be one of the robot's rates: 57600, 19200, ...";
+  for (const void* reserved : options.reserved)
+    if (reserved != nullptr) return "`reserved` must be NULL";
+  if (options.beside != nullptr && options.world != nullptr)
+    return "it shares the world of `beside`; leave out `world`";
+  if (options.beside != nullptr && options.time != 0)
+    return "it shares the time of `beside`; leave out `time`";
   if (options.time == CARGOBAY_SIM_TIME_VIRTUAL && options.link != nullptr)
     return "in virtual time there is no pseudo-terminal to `link` to";
   const hal::Range lag_ns = hal::kLagS.times(kNsPerS);
@@ -79,7 +96,7 @@ int start_in_real_time(const cargobay_sim_options& options, SimObject& sim) {
     return fail(options.link != nullptr ? CARGOBAY_E_FILE : CARGOBAY_E_LIMIT, server.failure());
   }
   sim.server = std::move(*server);
-  sim.server->with_device([&sim](Device& device) { hal::sim::inhabit(device, sim.world); });
+  sim.server->with_device([&sim](Device& device) { inhabit(device, sim); });
   if (const std::error_code error = sim.server->start(); error) {
     return fail(CARGOBAY_E_LIMIT, "cannot start the thread of the virtual Create: " +
                                       error.message() + "; raise the limit of threads");
@@ -87,31 +104,85 @@ int start_in_real_time(const cargobay_sim_options& options, SimObject& sim) {
   return CARGOBAY_OK;
 }
 
-void start_in_virtual_time(const cargobay_sim_options& options, SimObject& sim) {
-  sim.device = std::make_unique<Device>(parameters(options));
-  hal::sim::inhabit(*sim.device, sim.world);
-  sim.link = std::make_unique<hal::sim::VirtualLink>(*sim.device);
+// One that comes later has been there, switched on, since the beginning of the world.
+int start_in_virtual_time(const cargobay_sim_options& options, SimObject& sim) {
+  SimWorld& world = sim.world();
+  const std::unique_lock lock{world.owner, std::try_to_lock};
+  if (!lock) return moved_elsewhere();
+  hal::sim::Parameters robot = parameters(options);
+  robot.first_tick = first_tick(*sim.number);
+  sim.device = std::make_unique<Device>(robot);
+  sim.link = std::make_unique<hal::sim::VirtualLink>(*sim.device, world.time);
+  inhabit(*sim.device, sim);
+  return CARGOBAY_OK;
+}
+
+int make_world(const cargobay_sim_options& options, SimObject& sim) {
+  sim.own = std::make_unique<SimWorld>();
+  sim.own->in_virtual_time = options.time == CARGOBAY_SIM_TIME_VIRTUAL;
+  if (options.world == nullptr) return CARGOBAY_OK;
+  auto loaded = hal::sim::World::load(options.world);
+  if (!loaded) return fail(CARGOBAY_E_FILE, loaded.failure());
+  sim.own->world = std::move(*loaded);
+  return CARGOBAY_OK;
+}
+
+int join_world(const cargobay_sim_options& options, SimObject& sim) {
+  sim.first_handle = options.beside;
+  sim.first = sims().use(options.beside);
+  if (sim.first && sim.first->first) {  // a guest too
+    sim.first_handle = sim.first->first_handle;
+    sim.first = sims().use(sim.first_handle);
+  }
+  if (!sim.first) return bad_sim(options.beside);
+  ++sim.first->own->guests;
+  if (!sim.first->own->in_virtual_time || options.link == nullptr) return CARGOBAY_OK;
+  return bad_argument("in virtual time there is no pseudo-terminal to `link` to");
 }
 
 int open_sim(const cargobay_sim_options& options, cargobay_sim** handle) {
   if (const std::string wrong = complaint(options); !wrong.empty())
     return fail(CARGOBAY_E_ARGUMENT, wrong);
-  hal::sim::World world;
-  if (options.world != nullptr) {
-    auto loaded = hal::sim::World::load(options.world);
-    if (!loaded) return fail(CARGOBAY_E_FILE, loaded.failure());
-    world = std::move(*loaded);
-  }
-  auto sim = std::make_unique<SimObject>(std::move(world));
-  if (options.time == CARGOBAY_SIM_TIME_VIRTUAL) {
-    start_in_virtual_time(options, *sim);
-  } else if (const int failed = start_in_real_time(options, *sim); failed != 0) {
+  auto sim = std::make_unique<SimObject>();
+  const bool beside = options.beside != nullptr;
+  if (const int failed = beside ? join_world(options, *sim) : make_world(options, *sim);
+      failed != CARGOBAY_OK)
     return failed;
-  }
+  sim->number = sim->world().bodies.enter();
+  const bool virtual_time = sim->world().in_virtual_time;
+  if (const int failed =
+          virtual_time ? start_in_virtual_time(options, *sim) : start_in_real_time(options, *sim);
+      failed != CARGOBAY_OK)
+    return failed;
   *handle = static_cast<cargobay_sim*>(sims().open(std::move(sim)));
   if (*handle == nullptr)
     return fail(CARGOBAY_E_LIMIT, "64 virtual Creates are open; close those that are not used");
   return CARGOBAY_OK;
+}
+
+int close_sim(const cargobay_sim* sim) {
+  SimUse first;  // of the virtual Creates in its world, if that is another
+  {
+    const SimUse use = sims().use(sim);
+    if (!use) return bad_sim(sim);
+    if (use->taken.load()) {
+      return fail(CARGOBAY_E_STATE,
+                  "an open robot uses this virtual Create; close it first, with cargobay_close()");
+    }
+    if (use->own && use->own->guests.load() != 0) {
+      return fail(CARGOBAY_E_STATE,
+                  "other virtual Creates are in the world of this one; close them first");
+    }
+    first = sims().use(use->first_handle);
+  }
+  std::unique_lock<std::timed_mutex> time;
+  if (first) time = std::unique_lock{first->own->owner, std::try_to_lock};
+  if (first && !time) return moved_elsewhere();
+  const auto closed = sims().close(sim, [](SimObject& ended) {
+    if (ended.server) ended.server->stop();
+    return true;
+  });
+  return closed ? static_cast<int>(CARGOBAY_OK) : bad_sim(sim);
 }
 
 // Sleeps without keeping other threads from closing it.
@@ -144,6 +215,14 @@ cargobay_truth truth_of(const hal::sim::Cable& cable) {
 }
 
 }  // namespace
+
+SimObject::~SimObject() {
+  server.reset();  // they look at the world
+  link.reset();
+  device.reset();
+  if (number) world().bodies.leave(*number);
+  if (first) --first->own->guests;
+}
 
 void SimObject::with_cable(const std::function<void(hal::sim::Cable&)>& change) {
   if (in_virtual_time()) {
@@ -184,22 +263,7 @@ int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargoba
 int cargobay_sim_close(struct cargobay_sim* sim) {
   if (sim == nullptr) return CARGOBAY_OK;
   if (in_control()) return not_from_control("cargobay_sim_close");
-  return guarded([&] {
-    {
-      const auto use = sims().use(sim);
-      if (!use) return bad_sim(sim);
-      if (use->taken.load()) {
-        return fail(
-            CARGOBAY_E_STATE,
-            "an open robot uses this virtual Create; close it first, with cargobay_close()");
-      }
-    }
-    const auto closed = sims().close(sim, [](SimObject& ended) {
-      if (ended.server) ended.server->stop();
-      return true;
-    });
-    return closed ? static_cast<int>(CARGOBAY_OK) : bad_sim(sim);
-  });
+  return guarded([&] { return close_sim(sim); });
 }
 
 int cargobay_sim_get_path(struct cargobay_sim* sim, char* path, size_t path_size) {
@@ -257,13 +321,10 @@ int cargobay_sim_advance(struct cargobay_sim* sim, int64_t duration_ns) {
     if (in_real_time) return sleep(sim, duration);
     const SimUse use = sims().use(sim);
     if (!use) return bad_sim(sim);
-    const std::unique_lock lock{use->owner, std::try_to_lock};
-    if (!lock || use->taken.load()) {
-      return fail(CARGOBAY_E_STATE,
-                  "a robot, or another thread, moves the time of this virtual Create: use "
-                  "cargobay_wait() on the robot");
-    }
-    use->link->advance(duration);
+    SimWorld& world = use->world();
+    const std::unique_lock lock{world.owner, std::try_to_lock};
+    if (!lock) return moved_elsewhere();
+    world.time.advance_to(world.time.now() + duration);
     return static_cast<int>(CARGOBAY_OK);
   });
 }

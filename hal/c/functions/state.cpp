@@ -92,11 +92,8 @@ int wait_in_real_time(RobotObject& object, std::int64_t after_tick, std::int64_t
 
 int wait_stepped(RobotObject& object, std::int64_t after_tick, std::int64_t timeout_ns,
                  SeenState& seen) {
-  const std::unique_lock lock{object.owner, std::try_to_lock};
-  if (!lock)
-    return fail(
-        CARGOBAY_E_THREAD,
-        "another thread already moves the virtual time of this robot; let one thread do it");
+  const std::unique_lock lock{object.owner(), std::try_to_lock};
+  if (!lock) return moved_elsewhere();
   const SessionUse session{object};
   if (!session) return no_session();
   const rt::TimePoint until = deadline(session->robot->now(), timeout_ns);
@@ -108,8 +105,7 @@ int wait_stepped(RobotObject& object, std::int64_t after_tick, std::int64_t time
     if (const int early = session->must_be_started(); early != CARGOBAY_OK) return early;
     if (session->robot->ended()) return too_late(*session);
     if (session->robot->now() >= until) return timed_out();
-    (void)session->robot->step(until);  // what came of it is seen above
-    if (session->recording) session->recording->append();
+    session->step(until);  // what came of it is seen above
   }
 }
 

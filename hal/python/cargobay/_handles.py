@@ -15,7 +15,7 @@ from ._library import library
 from .errors import Error, HandleError, Stalled, StateError, ThreadError
 
 # What is open in this process, by handle: the name of the function that closes it, and the handle
-# of the virtual Create that it uses, if any. Handles are never used twice.
+# of the virtual Create that it uses or is beside, if any. Handles are never used twice.
 _opened: dict[int, tuple[str, int | None]] = {}
 # Robots whose control function had not returned when they were closed, by their handles.
 _stalled: set[int] = set()
@@ -52,10 +52,11 @@ def keep_for_ever(what: Any) -> None:
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(what))
 
 
-def close_robots(sim: int | None = None) -> None:
-    """All robots, or those that are this virtual Create."""
-    for handle, (closer, used) in list(_opened.items()):
-        if closer == CLOSE_ROBOT and sim in (None, used):
+def close_users(sim: int) -> None:
+    """What must be closed before this virtual Create: its robot, and those beside it."""
+    for handle, (_, used) in list(_opened.items()):
+        if used == sim:
+            close_users(handle)
             with contextlib.suppress(Error):
                 _close(handle)
 
@@ -63,8 +64,8 @@ def close_robots(sim: int | None = None) -> None:
 @atexit.register
 def _close_all() -> None:
     """While there is still an interpreter for the control functions."""
-    close_robots()
-    for handle in list(_opened):
+    robots = [handle for handle, (closer, _) in _opened.items() if closer == CLOSE_ROBOT]
+    for handle in robots + list(reversed(_opened)):
         with contextlib.suppress(Error):
             _close(handle)
 

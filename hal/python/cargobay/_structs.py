@@ -44,12 +44,14 @@ class SimOptions(Sized):
         ("boot_baud", c_uint32),
         ("link", c_char_p),
         ("world", c_char_p),
+        ("beside", c_void_p),
+        ("plant", c_char_p),
+        ("reserved", c_void_p * 2),
         ("lag_ns", c_int64),
         ("gain_left", c_double),
         ("gain_right", c_double),
         ("noise_mm_s", c_double),
         ("wheel_base_mm", c_double),
-        ("plant", c_char_p),
     ]
 
 

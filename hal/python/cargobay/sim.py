@@ -10,6 +10,7 @@ from . import _structs as c
 from ._arguments import Path, Seconds
 from ._library import filled, library
 from .enums import Remainder, SimTime
+from .errors import HandleError
 from .records import Truth
 
 _ANSWER_SIZE = 64 * 1024
@@ -23,44 +24,54 @@ class Sim(_handles.Handle):
 
         with Sim(time=SimTime.VIRTUAL) as sim, Robot(sim=sim) as robot:
             robot.start()
+
+    Several in one world: Sim(beside=sim).
     """
 
     _closer = "cargobay_sim_close"
+    _slice_ns: int
 
     def __init__(self, *, time: SimTime = SimTime.REAL, seed: int = 0,
                  remainder: Remainder = Remainder.UNKNOWN, boot_baud: int = 0,
-                 link: Path | None = None, world: Path | None = None, lag_s: Seconds = 0.0,
-                 gain_left: float = 0.0, gain_right: float = 0.0, noise_mm_s: float = 0.0,
-                 wheel_base_mm: float = 0.0, plant: str | None = None) -> None:
+                 link: Path | None = None, world: Path | None = None, beside: Sim | None = None,
+                 plant: str | None = None, lag_s: Seconds = 0.0, gain_left: float = 0.0,
+                 gain_right: float = 0.0, noise_mm_s: float = 0.0,
+                 wheel_base_mm: float = 0.0) -> None:
         """The members of struct cargobay_sim_options; 0 and None are the defaults."""
+        if beside is not None:
+            _arguments.instance("beside", beside, Sim)
+            if beside._handle is None:
+                raise HandleError("`beside` is closed; open another Sim")
+        self._beside = beside  # it must outlive this
         options = c.SimOptions(
             time=_arguments.int32("time", time),
             seed=_arguments.whole("seed", seed, 0, 2**64 - 1),
             remainder=_arguments.int32("remainder", remainder),
             boot_baud=_arguments.uint32("boot_baud", boot_baud),
             link=_arguments.path("link", link), world=_arguments.path("world", world),
+            beside=beside._handle if beside is not None else None,
+            plant=None if plant is None else _arguments.text("plant", plant),
             lag_ns=_arguments.time_ns("lag_s", lag_s),
             gain_left=_arguments.real("gain_left", gain_left),
             gain_right=_arguments.real("gain_right", gain_right),
             noise_mm_s=_arguments.real("noise_mm_s", noise_mm_s),
-            wheel_base_mm=_arguments.real("wheel_base_mm", wheel_base_mm),
-            plant=None if plant is None else _arguments.text("plant", plant))
+            wheel_base_mm=_arguments.real("wheel_base_mm", wheel_base_mm))
         with _signals.Deferred():
-            self._open("cargobay_sim_open", ctypes.byref(options))
-        self._slice_ns = _SLICE_NS[SimTime(time)]
+            self._open("cargobay_sim_open", ctypes.byref(options), sim=options.beside)
+        self._slice_ns = beside._slice_ns if beside is not None else _SLICE_NS[SimTime(time)]
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
                  trace: TracebackType | None) -> None:
-        """Closes the robot that uses it first, if the program has not."""
+        """First closes the robot that uses it, and those beside it, if the program has not."""
         if self._handle is not None:
-            _handles.close_robots(self._handle)
+            _handles.close_users(self._handle)
         super().__exit__(kind, error, trace)
 
     @_signals.entry
     def __del__(self) -> None:
         # One that is collected together with its robot may come first.
         if self._handle is not None and not self.closed:
-            _handles.close_robots(self._handle)
+            _handles.close_users(self._handle)
         super().__del__()
 
     @property
@@ -83,7 +94,7 @@ class Sim(_handles.Handle):
         return answer.value.decode(errors="replace")
 
     def advance(self, duration_s: Seconds) -> None:
-        """Lets time pass without a robot: at once in virtual time, by sleeping in real time."""
+        """Lets time pass: at once in virtual time, where loops run meanwhile; else by sleeping."""
         left_ns = _arguments.time_ns("duration_s", duration_s)
         while True:  # once for 0, which may be refused too
             slice_ns = min(left_ns, self._slice_ns)

@@ -4,10 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <system_error>
 
 #include "hal/sim/line/cable.hpp"
+#include "hal/sim/line/virtual_time.hpp"
 #include "hal/sim/robot/device.hpp"
 #include "hal/stream/byte_stream.hpp"
 #include "rt/clock.hpp"
@@ -18,6 +21,15 @@ class VirtualLink final : public ByteStream {
  public:
   // The device outlives the link. The host starts at the rate that the robot listens at.
   explicit VirtualLink(Device& device) : cable_{device} {}
+  // The same on a clock that it shares with other links, which outlives it.
+  VirtualLink(Device& device, VirtualTime& time);
+  ~VirtualLink() override;
+  VirtualLink(const VirtualLink&) = delete;
+  VirtualLink& operator=(const VirtualLink&) = delete;
+
+  // How the loop over this link makes a pass while time moves for another one: from then on, it is
+  // called whenever the wait of its last pass is over. Empty: there is no such loop.
+  void set_pass(std::function<void()> pass);
 
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override;
   Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override;
@@ -32,15 +44,32 @@ class VirtualLink final : public ByteStream {
   void sleep(rt::Duration duration) override { advance(duration); }
 
   // Lets time pass without reading.
-  void advance(rt::Duration period) { cable_.advance_to(cable_.now() + period); }
+  void advance(rt::Duration period);
   // The other side goes away, for this link permanently.
   void hang_up() { hung_up_ = true; }
   Cable& cable() { return cable_; }
+  const Cable& cable() const { return cable_; }
 
  private:
+  friend class VirtualTime;
+  // Nothing happens before this time, and no wait of a pass is over.
+  rt::Duration next_event() const;
+  // Until it waits for what is still to come.
+  void make_passes();
+  void move_on(rt::Duration until);
+  // What a wait returns now, if it is over.
+  std::optional<Wait> over() const;
+
   Cable cable_;
   std::size_t wake_threshold_ = 1;
   bool hung_up_ = false;
+
+  VirtualTime* time_ = nullptr;  // outlives the link
+  std::function<void()> pass_{};
+  bool making_pass_ = false;  // in make_passes(): nothing moves time
+  bool passed_ = false;       // the pass has come to its wait: the loop has not ended
+  bool left_ = false;         // its wait was not over
+  rt::Duration waits_until_{0};
 };
 
 }  // namespace cargobay::hal::sim

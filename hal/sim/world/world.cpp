@@ -38,7 +38,16 @@ constexpr double kForceFieldMm = 500.0;
 constexpr double kDockedMm = 40.0;
 constexpr double kDockedDeg = 20.0;
 
-constexpr int kContactRounds = 4;  // a corner takes two
+constexpr int kContactRounds = 4;        // a corner takes two
+constexpr double kBumperTravelMm = 1.0;  // of a robot that another one leans on
+constexpr double kStartApartMm = 500.0;
+constexpr double kInfraredRangeMm = 2000.0;  // of what a robot sends
+
+// A world as one of its robots meets it.
+struct Scene {
+  const World& world;
+  std::span<const Body> others;
+};
 
 Point operator+(Point a, Point b) { return {a.x_mm + b.x_mm, a.y_mm + b.y_mm}; }
 Point operator-(Point a, Point b) { return {a.x_mm - b.x_mm, a.y_mm - b.y_mm}; }
@@ -52,6 +61,8 @@ Point direction(double degrees) {
 }
 // Wraps to -180 to 180.
 double wrapped_deg(double degrees) { return std::remainder(degrees, 360.0); }
+
+Point centre_of(const WorldPose& pose) { return {pose.x_mm, pose.y_mm}; }
 
 // The point `distance_mm` from the robot's centre, at that angle from its heading.
 Point place(const WorldPose& pose, double distance_mm, double off_heading_deg) {
@@ -82,7 +93,8 @@ Point nearest(const Segment& segment, Point at) {
 
 // Calls visit(nearest point) for each obstacle.
 template <typename Visit>
-void visit_nearest(const World& world, Point at, Visit&& visit) {
+void visit_nearest(const Scene& scene, Point at, Visit&& visit) {
+  const World& world = scene.world;
   const auto visit_circle = [&](Point centre, double radius_mm) {
     const Point away = at - centre;
     const double distance = length(away);
@@ -94,6 +106,7 @@ void visit_nearest(const World& world, Point at, Visit&& visit) {
   }
   for (const Circle& post : world.posts) visit_circle(post.centre, post.radius_mm);
   for (const Beam& wall : world.virtual_walls) visit_circle(wall.origin, kVirtualWallRadiusMm);
+  for (const Body& other : scene.others) visit_circle(centre_of(other.pose), kRobotRadiusMm);
 }
 
 // How far along the ray the segment is; infinite if the ray misses it.
@@ -117,7 +130,8 @@ double met_at(Point from, Point toward, const Circle& post) {
 }
 
 // The distance to the first obstacle in that direction, a unit vector.
-double free_way_mm(const World& world, Point from, Point toward) {
+double free_way_mm(const Scene& scene, Point from, Point toward) {
+  const World& world = scene.world;
   double distance = std::numeric_limits<double>::infinity();
   for (const Segment& wall : world.walls) distance = std::min(distance, met_at(from, toward, wall));
   for (const Rectangle& box : world.boxes) {
@@ -125,16 +139,20 @@ double free_way_mm(const World& world, Point from, Point toward) {
       distance = std::min(distance, met_at(from, toward, edge));
   }
   for (const Circle& post : world.posts) distance = std::min(distance, met_at(from, toward, post));
+  for (const Body& other : scene.others) {
+    const Circle body{centre_of(other.pose), kRobotRadiusMm};
+    distance = std::min(distance, met_at(from, toward, body));
+  }
   return distance;
 }
 
-bool in_sight(const World& world, Point from, Point to) {
+bool in_sight(const Scene& scene, Point from, Point to) {
   const double distance = length(to - from);
   if (distance == 0.0) return true;
   // What stands at either end, like the base at its own wall, hides nothing.
   constexpr double kSlackMm = 20.0;
   const Point toward = (1.0 / distance) * (to - from);
-  return free_way_mm(world, from + kSlackMm * toward, toward) >= distance - 2.0 * kSlackMm;
+  return free_way_mm(scene, from + kSlackMm * toward, toward) >= distance - 2.0 * kSlackMm;
 }
 
 void sense_cliffs(const World& world, const WorldPose& pose, Inputs& inputs) {
@@ -157,10 +175,10 @@ void sense_cliffs(const World& world, const WorldPose& pose, Inputs& inputs) {
   if (over_cliff(place(pose, kCasterMm, 0.0))) inputs.wheel_drop_caster = true;
 }
 
-void sense_wall(const World& world, const WorldPose& pose, Inputs& inputs) {
+void sense_wall(const Scene& scene, const WorldPose& pose, Inputs& inputs) {
   const double heading_deg = pose.heading_rad * kDegreesPerRad + kWallSensorDeg;
   const double distance =
-      free_way_mm(world, place(pose, kRobotRadiusMm, kWallSensorDeg), direction(heading_deg));
+      free_way_mm(scene, place(pose, kRobotRadiusMm, kWallSensorDeg), direction(heading_deg));
   if (distance >= kWallRangeMm) return;
   inputs.wall_signal =
       std::max(inputs.wall_signal,
@@ -175,27 +193,27 @@ bool comes_in(const WorldPose& pose, Point from, double opening_deg) {
   return std::abs(off_deg) <= 0.5 * opening_deg;
 }
 
-void sense_virtual_walls(const World& world, const WorldPose& pose, double opening_deg,
+void sense_virtual_walls(const Scene& scene, const WorldPose& pose, double opening_deg,
                          Inputs& inputs) {
   const Point at{pose.x_mm, pose.y_mm};
-  for (const Beam& beam : world.virtual_walls) {
+  for (const Beam& beam : scene.world.virtual_walls) {
     if (!comes_in(pose, beam.origin, opening_deg)) continue;
     const Point away = at - beam.origin;
     const double distance = length(away) - kRobotRadiusMm;
     const double off_deg = wrapped_deg(angle_deg(away) - beam.heading_deg);
     const bool in_beam = distance < kVirtualWallRangeMm &&
                          std::abs(off_deg) < kVirtualWallHalfDeg &&
-                         in_sight(world, beam.origin, at);
+                         in_sight(scene, beam.origin, at);
     if (in_beam || distance < kVirtualWallHaloMm) inputs.virtual_wall = true;
   }
 }
 
 // Which of the buoys and the force field light that place.
-oi::HomeBaseBeams light_of_home_base(const World& world, Point at) {
-  const Beam& base = *world.home_base;
+oi::HomeBaseBeams light_of_home_base(const Scene& scene, Point at) {
+  const Beam& base = *scene.world.home_base;
   const Point away = at - base.origin;
   const double distance = length(away) - kRobotRadiusMm;
-  if (distance >= std::max(kBuoyRangeMm, kForceFieldMm) || !in_sight(world, base.origin, at)) {
+  if (distance >= std::max(kBuoyRangeMm, kForceFieldMm) || !in_sight(scene, base.origin, at)) {
     return {};
   }
   const double off_deg = wrapped_deg(angle_deg(away) - base.heading_deg);
@@ -209,12 +227,13 @@ oi::HomeBaseBeams light_of_home_base(const World& world, Point at) {
   return light;
 }
 
-void sense_home_base(const World& world, const WorldPose& pose, double opening_deg,
+void sense_home_base(const Scene& scene, const WorldPose& pose, double opening_deg,
                      Inputs& inputs) {
+  const World& world = scene.world;
   if (!world.home_base) return;
   const Point at{pose.x_mm, pose.y_mm};
   const bool open = comes_in(pose, world.home_base->origin, opening_deg);
-  const oi::HomeBaseBeams seen = open ? light_of_home_base(world, at) : oi::HomeBaseBeams{};
+  const oi::HomeBaseBeams seen = open ? light_of_home_base(scene, at) : oi::HomeBaseBeams{};
   if (seen.any() && inputs.infrared == kNoInfrared)
     inputs.infrared = static_cast<std::uint8_t>(oi::infrared_character(seen));
   if (seen.has(oi::HomeBaseBeam::force_field)) inputs.virtual_wall = true;
@@ -228,15 +247,53 @@ void sense_home_base(const World& world, const WorldPose& pose, double opening_d
   }
 }
 
+// What other robots send, unless something of the world is seen already.
+void sense_robots(const Scene& scene, const WorldPose& pose, double opening_deg, Inputs& inputs) {
+  const Point at = centre_of(pose);
+  for (std::size_t i = 0; i < scene.others.size(); ++i) {
+    const Body& other = scene.others[i];
+    const Point from = centre_of(other.pose);
+    if (other.infrared == kNoInfrared || inputs.infrared != kNoInfrared) continue;
+    if (length(at - from) > kInfraredRangeMm || !comes_in(pose, from, opening_deg)) continue;
+    // The sender does not hide its own light.
+    const bool hidden = std::ranges::any_of(scene.others, [&](const Body& third) {
+      const Circle body{centre_of(third.pose), kRobotRadiusMm};
+      const double distance = length(at - from);
+      return &third != &other && distance > 0.0 &&
+             met_at(from, (1.0 / distance) * (at - from), body) < distance;
+    });
+    if (!hidden && in_sight({.world = scene.world, .others = {}}, from, at))
+      inputs.infrared = other.infrared;
+  }
+}
+
+// The bumper is pushed from there.
+void push_bumper(const WorldPose& pose, Point toward, Contact& contact) {
+  const double off_deg = wrapped_deg(angle_deg(toward) - pose.heading_rad * kDegreesPerRad);
+  if (std::abs(off_deg) > kBumperHalfDeg) return;
+  contact.left = contact.left || off_deg > -kBumperBothDeg;
+  contact.right = contact.right || off_deg < kBumperBothDeg;
+}
+
 }  // namespace
 
-std::optional<Contact> World::collide(const WorldPose& pose) const {
-  Contact contact{.centre = {pose.x_mm, pose.y_mm}};
+WorldPose World::start(std::size_t robot) const {
+  if (robot < starts.size()) return starts[robot];
+  WorldPose pose = starts.empty() ? WorldPose{} : starts.back();
+  const double aside_mm =
+      kStartApartMm * static_cast<double>(robot + 1 - std::max<std::size_t>(starts.size(), 1));
+  pose.x_mm -= aside_mm * std::sin(pose.heading_rad);
+  pose.y_mm += aside_mm * std::cos(pose.heading_rad);
+  return pose;
+}
+
+std::optional<Contact> World::collide(const WorldPose& pose, std::span<const Body> others) const {
+  Contact contact{.centre = centre_of(pose)};
   bool touched = false;
   for (int round = 0; round < kContactRounds; ++round) {
     double deepest_mm = kRobotRadiusMm;
     Point from{};
-    visit_nearest(*this, contact.centre, [&](Point point) {
+    visit_nearest({.world = *this, .others = others}, contact.centre, [&](Point point) {
       const double distance = length(point - contact.centre);
       if (distance >= deepest_mm) return;
       deepest_mm = distance;
@@ -245,39 +302,29 @@ std::optional<Contact> World::collide(const WorldPose& pose) const {
     if (deepest_mm >= kRobotRadiusMm) break;
     touched = true;
     const Point toward = from - contact.centre;
-    const double off_deg = wrapped_deg(angle_deg(toward) - pose.heading_rad * kDegreesPerRad);
-    if (std::abs(off_deg) <= kBumperHalfDeg) {
-      contact.left = contact.left || off_deg > -kBumperBothDeg;
-      contact.right = contact.right || off_deg < kBumperBothDeg;
-    }
+    push_bumper(pose, toward, contact);
     if (deepest_mm == 0.0) break;  // at its very centre: no way out
     contact.centre = from - (kRobotRadiusMm / deepest_mm) * toward;
+  }
+  // Of two robots that meet, the one that stands is pushed too.
+  for (const Body& other : others) {
+    const Point toward = centre_of(other.pose) - contact.centre;
+    if (length(toward) > 2.0 * kRobotRadiusMm + kBumperTravelMm) continue;
+    touched = true;
+    push_bumper(pose, toward, contact);
   }
   if (!touched) return std::nullopt;
   return contact;
 }
 
-void World::sense(const WorldPose& pose, Inputs& inputs, double receiver_opening_deg) const {
+void World::sense(const WorldPose& pose, Inputs& inputs, double receiver_opening_deg,
+                  std::span<const Body> others) const {
+  const Scene scene{.world = *this, .others = others};
   sense_cliffs(*this, pose, inputs);
-  sense_wall(*this, pose, inputs);
-  sense_virtual_walls(*this, pose, receiver_opening_deg, inputs);
-  sense_home_base(*this, pose, receiver_opening_deg, inputs);
-}
-
-void inhabit(Device& device, const World& world) {
-  device.place(world.start);
-  device.surroundings = [&world](Device& robot, Inputs& seen) {
-    WorldPose pose = robot.truth().pose;
-    if (const auto contact = world.collide(pose)) {
-      // Held, its wheels slip: the encoders keep counting, but the robot does not move.
-      pose.x_mm = contact->centre.x_mm;
-      pose.y_mm = contact->centre.y_mm;
-      robot.place(pose);
-      seen.bump_left = seen.bump_left || contact->left;
-      seen.bump_right = seen.bump_right || contact->right;
-    }
-    world.sense(pose, seen, robot.parameters().receiver_opening_deg);
-  };
+  sense_wall(scene, pose, inputs);
+  sense_virtual_walls(scene, pose, receiver_opening_deg, inputs);
+  sense_home_base(scene, pose, receiver_opening_deg, inputs);
+  sense_robots(scene, pose, receiver_opening_deg, inputs);
 }
 
 }  // namespace cargobay::hal::sim

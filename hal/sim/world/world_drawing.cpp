@@ -70,7 +70,7 @@ class Extent {
 
 Extent extent_of(const World& world, std::span<const Waypoint> path) {
   Extent extent;
-  extent.include(world.start.x_mm, world.start.y_mm, kRobotRadiusMm);
+  extent.include(world.start().x_mm, world.start().y_mm, kRobotRadiusMm);
   for (const Waypoint& waypoint : path)
     extent.include(waypoint.pose.x_mm, waypoint.pose.y_mm, kRobotRadiusMm);
   for (const Segment& wall : world.walls) {
@@ -264,7 +264,7 @@ std::string draw(const World& world, std::span<const Waypoint> path) {
   draw_floor(extent, drawing);
   draw_world(world, drawing);
   draw_path(path, drawing);
-  draw_robot(path.empty() ? world.start : path.back().pose, drawing);
+  draw_robot(path.empty() ? world.start() : path.back().pose, drawing);
   draw_legend(world, path, extent, drawing);
   drawing.say("</svg>\n");
   return drawing.take();

@@ -40,7 +40,7 @@ constexpr std::array<Kind, 7> kKinds{{
     {"virtual-wall", 3, "X Y HEADING",
      [](World& world, Numbers n) { world.virtual_walls.push_back(beam(n)); }},
     {"home-base", 3, "X Y HEADING", [](World& world, Numbers n) { world.home_base = beam(n); }},
-    {"start", 3, "X Y HEADING", [](World& world, Numbers n) { world.start = pose(n); }},
+    {"start", 3, "X Y HEADING", [](World& world, Numbers n) { world.starts.push_back(pose(n)); }},
 }};
 
 // What is wrong with the line; empty if nothing is.

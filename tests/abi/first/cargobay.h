@@ -25,7 +25,7 @@
  * as it does with a real robot. With `sim` the robot is the virtual Create that you opened, which
  * may run in virtual time. There is no control thread then: cargobay_wait() advances time frame by
  * frame, calls the control function itself, and returns as soon as the result is computed. That
- * makes unit tests of a controller possible.
+ * makes unit tests of a controller possible, and of several robots in one world (`beside`).
  *
  * @section readers Readers
  * The library remembers nothing about who has read what. A reader says what it has already seen,
@@ -62,7 +62,8 @@
  *   in a library loaded by dlopen().
  * - *owner*: one thread at a time, and not the control function; otherwise CARGOBAY_E_THREAD.
  *
- * In virtual time, all functions of a robot and its virtual Create are for one thread at a time.
+ * In virtual time, all functions of the robots and virtual Creates of a world are for one thread at
+ * a time.
  * A handle that is NULL, was closed, is of another kind (a virtual Create's instead of a robot's)
  * or belongs to the parent of a forked process is recognised: CARGOBAY_E_HANDLE. Close handles
  * before the process ends, or its guard will stop the robot.
@@ -94,8 +95,8 @@
  * mm, mm/s, rad, rad/s and ns; sensor packets have the units of the manual. x points ahead, y to
  * the left, angles are counter-clockwise positive. Left comes before right. Times of three clocks
  * have names of their own: `robot_time_ns` counts the robot's ticks; `arrival_ns` is when a frame
- * arrived, on CLOCK_MONOTONIC or, in virtual time, since the virtual Create was opened;
- * `sim_time_ns` is a virtual Create's own time.
+ * arrived, on CLOCK_MONOTONIC or, in virtual time, since the world of the virtual Create
+ * was opened; `sim_time_ns` is a virtual Create's own time.
  */
 #ifndef CARGOBAY_H
 #define CARGOBAY_H
@@ -215,20 +216,23 @@ struct cargobay_sim_options {
   uint32_t boot_baud; /**< rate it uses after power-on: 57600 (0), 19200, ... */
   const char* link;   /**< symbolic link to its pseudo-terminal; NULL: none. Real time only */
   const char* world; /**< file of walls, cliffs and beams (docs/virtual-create.md); NULL: a plain */
+  struct cargobay_sim* beside; /**< an open virtual Create: this one is in its world and goes by its
+                                    time; leave `time` and `world` 0. NULL: a world of its own */
+  const char* plant; /**< how its wheels answer: a plant of docs/virtual-create.md, and values on
+                          top, as in "slow sign true"; NULL: "default". Overridden by those below */
+  void* reserved[2]; /**< NULL */
   int64_t lag_ns;    /**< time constant of the wheels, 1000000 to 10000000000; 0: 100000000 */
   double gain_left;  /**< part of the command that the wheel reaches, 0.1 to 1.5; 0: 0.94 */
   double gain_right; /**< the same for the right wheel, 0.1 to 1.5; 0: 0.9 */
   double noise_mm_s; /**< standard deviation of a wheel's speed, 0 to 100; 0: 1; negative: none */
   double wheel_base_mm; /**< its true wheel base, 50 to 1000; 0: 258 */
-  const char* plant;    /**< how its wheels answer: a plant of docs/virtual-create.md, and values on
-                             top, as in "slow sign true"; NULL: "default". Overridden by the above */
 };
 
 /** What really happens to a virtual Create; no sensor reports it. */
 struct cargobay_truth {
   uint32_t size;                /**< sizeof(struct cargobay_truth) */
   int32_t mode;                 /**< enum cargobay_mode */
-  int64_t sim_time_ns;          /**< since the virtual Create was opened */
+  int64_t sim_time_ns;          /**< since it, or in virtual time its world, was opened */
   double left_mm_s;             /**< speed of the left wheel over the ground */
   double right_mm_s;            /**< speed of the right wheel over the ground */
   double x_mm;                  /**< position */
@@ -240,16 +244,26 @@ struct cargobay_truth {
 
 /**
  * Opens a virtual Create, switched on, in mode Off. In real time it gets a thread of its own.
- * @param options NULL for the defaults; borrowed for the call.
+ *
+ * With `beside` it joins the world of another one: they are in each other's way, see each other's
+ * infrared, and hide from each other what is behind them. It stands at the world's next `start` or,
+ * if there is none, half a metre to the left of the one before; to put it elsewhere, inject
+ * "place X Y HEADING". In virtual time all of them have one clock: whatever moves it for one, the
+ * loops of the others run meanwhile, each frame at its time and on the calling thread. So it does
+ * not matter in which order a program waits for them.
+ *
+ * @param options NULL for the defaults; borrowed for the call, `beside` until this one is closed.
  * @param sim receives the handle, to be passed to cargobay_sim_close(); NULL after a failure.
- * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_FILE if the world cannot be read or the link not be
- * made; CARGOBAY_E_LIMIT if 64 are open, or no pseudo-terminal or thread is left;
- * CARGOBAY_E_MEMORY; CARGOBAY_E_SYSTEM. Owner; blocks for some ms, allocates.
+ * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE for `beside`; CARGOBAY_E_FILE if the world
+ * cannot be read or the link not be made; CARGOBAY_E_LIMIT if 64 are open, or no pseudo-terminal or
+ * thread is left; CARGOBAY_E_MEMORY; CARGOBAY_E_SYSTEM; CARGOBAY_E_THREAD. Owner; blocks for some
+ * ms, allocates.
  */
 int cargobay_sim_open(const struct cargobay_sim_options* options, struct cargobay_sim** sim);
 
 /**
- * Closes a virtual Create. Close the robot that uses it first; otherwise CARGOBAY_E_STATE.
+ * Closes a virtual Create. Close the robot that uses it first, and virtual Creates that were opened
+ * `beside` it; otherwise CARGOBAY_E_STATE.
  * @param sim NULL: nothing happens.
  * @return 0; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE; CARGOBAY_E_THREAD. Owner; blocks for some ms.
  */
@@ -283,10 +297,10 @@ int cargobay_sim_inject(struct cargobay_sim* sim, const char* line, char* answer
 int cargobay_sim_get_truth(struct cargobay_sim* sim, struct cargobay_truth* truth);
 
 /**
- * Lets time pass without a robot: at once in virtual time, by sleeping in real time.
+ * Lets time pass: at once in virtual time, where the loops of its world's robots run meanwhile; by
+ * sleeping in real time.
  * @param duration_ns 0 to 86400000000000, a day.
- * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE in virtual time while an open
- * robot uses it: cargobay_wait() advances time then; CARGOBAY_E_THREAD. Owner; in real time blocks
+ * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_THREAD. Owner; in real time blocks
  * for `duration_ns`, or until the virtual Create is closed.
  */
 int cargobay_sim_advance(struct cargobay_sim* sim, int64_t duration_ns);

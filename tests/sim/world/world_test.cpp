@@ -49,7 +49,7 @@ TEST(World, ReadsEachKindOfThing) {
   EXPECT_EQ(world.cliffs.size(), 1U);
   EXPECT_EQ(world.virtual_walls.at(0).heading_deg, 90.0);
   EXPECT_EQ(world.home_base->heading_deg, 180.0);
-  EXPECT_NEAR(world.start.heading_rad, std::numbers::pi / 2.0, 1e-12);
+  EXPECT_NEAR(world.start().heading_rad, std::numbers::pi / 2.0, 1e-12);
 }
 
 TEST(World, NamesTheLineItCannotRead) {
@@ -59,6 +59,17 @@ TEST(World, NamesTheLineItCannotRead) {
     ASSERT_FALSE(world) << bad;
     EXPECT_EQ(world.failure().message.substr(0, 8), "line 2: ") << world.failure().message;
   }
+}
+
+TEST(World, HasAStartForEachRobot) {
+  const World world = world_of("start 1 2 0\nstart 100 200 90\n");
+  EXPECT_EQ(world.start(0).y_mm, 2.0);
+  EXPECT_EQ(world.start(1).x_mm, 100.0);
+  // Half a metre to the left of the one before, which faces up.
+  EXPECT_NEAR(world.start(3).x_mm, -900.0, 1e-9);
+  EXPECT_NEAR(world.start(3).y_mm, 200.0, 1e-9);
+  EXPECT_EQ(world_of("").start(0).y_mm, 0.0);
+  EXPECT_EQ(world_of("").start(1).y_mm, 500.0);
 }
 
 TEST(World, SaysWhichFileItCannotRead) {
@@ -75,7 +86,7 @@ TEST(World, LoadsTheWorldsThatAreShipped) {
        std::filesystem::directory_iterator{CARGOBAY_SOURCE_DIR "/examples/worlds"}) {
     const Result<World> world = World::load(entry.path());
     ASSERT_TRUE(world) << world.failure().message;
-    EXPECT_FALSE(world->collide(world->start)) << "the robot begins free";
+    EXPECT_FALSE(world->collide(world->start())) << "the robot begins free";
     ++worlds;
   }
   EXPECT_GE(worlds, 2U);
@@ -106,6 +117,60 @@ TEST(World, BumpsTheSideThatTouches) {
   EXPECT_EQ(bumps(45), (std::pair{false, true}));
   EXPECT_EQ(bumps(180), (std::pair{false, false})) << "there is no bumper behind";
   EXPECT_TRUE(world.collide(at(100, 0, 180))) << "but it is held";
+}
+
+TEST(World, HasOtherRobotsInTheWay) {
+  const World world;
+  const std::array others{Body{.pose = at(320, 0, 0)}};
+  const auto contact = world.collide(at(0, 0, 0), others);
+  ASSERT_TRUE(contact);
+  EXPECT_NEAR(contact->centre.x_mm, -10.0, 1e-9) << "pushed back until they touch";
+  EXPECT_TRUE(contact->left && contact->right);
+  const auto leaning = world.collide(at(-10.5, 0, 0), others);
+  ASSERT_TRUE(leaning) << "its bumper is still pushed";
+  EXPECT_EQ(leaning->centre.x_mm, -10.5) << "it stays where it is";
+  EXPECT_FALSE(world.collide(at(-12, 0, 0), others));
+}
+
+TEST(World, HidesWhatIsBehindAnotherRobot) {
+  const World world = world_of("virtual-wall 0 0 0\nhome-base 3000 0 180\n");
+  const auto seen = [&world](std::span<const Body> others) {
+    Inputs inputs;
+    world.sense(at(1600, 0, 0), inputs, kAllAroundDeg, others);
+    return inputs;
+  };
+  EXPECT_TRUE(seen({}).virtual_wall);
+  EXPECT_TRUE(seen({}).beams().any());
+  const std::array before{Body{.pose = at(800, 0, 0)}};
+  EXPECT_FALSE(seen(before).virtual_wall);
+  const std::array behind{Body{.pose = at(2300, 0, 0)}};
+  EXPECT_FALSE(seen(behind).beams().any());
+  const std::array on_the_right{Body{.pose = at(1730, -300, 0)}};
+  EXPECT_TRUE(seen(on_the_right).wall) << "the wall sensor sees it";
+}
+
+TEST(World, TwoRobotsHoldEachOther) {
+  const World world = world_of("start 0 0 0\nstart 1000 0 180\n");
+  Bodies bodies;
+  Robot first{ideal_wheels()};
+  Robot second{ideal_wheels()};
+  const std::size_t numbers[]{bodies.enter(), bodies.enter()};
+  inhabit(first.device, world, bodies, numbers[0]);
+  inhabit(second.device, world, bodies, numbers[1]);
+  first.send({128, 132, 145, 1, 44, 1, 44});
+  second.send({128, 132, 145, 0, 100, 0, 100});
+  for (int i = 0; i < 1000; ++i) {
+    first.wait(5ms);
+    second.wait(5ms);
+  }
+  const double apart_mm = second.device.truth().pose.x_mm - first.device.truth().pose.x_mm;
+  EXPECT_NEAR(apart_mm, 330.0, 10.0);
+  EXPECT_EQ(first.ask({142, 7}), (Bytes{0b11}));
+  EXPECT_EQ(second.ask({142, 7}), (Bytes{0b11}));
+  bodies.leave(numbers[1]);
+  first.wait(1s);
+  EXPECT_EQ(first.ask({142, 7}), (Bytes{0})) << "the other has left";
+  EXPECT_EQ(bodies.enter(), numbers[1]);
 }
 
 TEST(World, HoldsTheRobotInACorner) {
