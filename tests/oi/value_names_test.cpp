@@ -1,6 +1,7 @@
 // Each value of the Open Interface has one name, and each enumerator has a row.
 #include "oi/value_names.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -15,22 +16,26 @@
 namespace cargobay::oi {
 namespace {
 
-// How the compiler spells the enumerator of that value; empty if the enum has none: `(Mode)4`.
-template <auto kValue>
-constexpr std::string_view enumerator() {
-  std::string_view spelled{__PRETTY_FUNCTION__};
-  spelled.remove_prefix(spelled.find("kValue = ") + std::string_view{"kValue = "}.size());
-  if (spelled.front() == '(') return {};
-  spelled = spelled.substr(0, spelled.find_first_of(";]"));
-  return spelled.substr(spelled.rfind(':') + 1);
+// How the compiler spells all these values, separated by commas: `cargobay::oi::Mode::off`, but
+// `(cargobay::oi::Mode)4` if no enumerator has that value. One function for all: one for each value
+// takes the compiler half a minute.
+template <auto... kValues>
+constexpr std::string_view spelled_values() {
+  return __PRETTY_FUNCTION__;
 }
 
 template <typename Enum, int... kOffsets>
 std::map<std::int32_t, std::string_view> enumerators(std::integer_sequence<int, kOffsets...>) {
   constexpr int kLowest = std::is_signed_v<std::underlying_type_t<Enum>> ? -128 : 0;
-  std::map<std::int32_t, std::string_view> all{
-      {kLowest + kOffsets, enumerator<static_cast<Enum>(kLowest + kOffsets)>()}...};
-  std::erase_if(all, [](const auto& each) { return each.second.empty(); });
+  std::string_view rest = spelled_values<static_cast<Enum>(kLowest + kOffsets)...>();
+  constexpr std::string_view kBefore = "kValues = {";  // g++; clang has <
+  rest.remove_prefix(rest.find(kBefore.substr(0, kBefore.size() - 1)) + kBefore.size());
+  std::map<std::int32_t, std::string_view> all;
+  for (int value = kLowest; value < kLowest + int{sizeof...(kOffsets)}; ++value) {
+    std::string_view spelled = rest.substr(0, rest.find_first_of(",}>"));
+    rest.remove_prefix(std::min(spelled.size() + std::string_view{", "}.size(), rest.size()));
+    if (!spelled.starts_with('(')) all[value] = spelled.substr(spelled.rfind(':') + 1);
+  }
   return all;
 }
 
