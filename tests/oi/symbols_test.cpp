@@ -41,9 +41,9 @@ bool is_harmless(std::string_view symbol) {
       "memchr",           "memcmp",        "memcpy",        "memmove",
       "memset",           "bcmp",          "strlen",        "abort",
       "__stack_chk_fail", "__assert_fail", "__popcountdi2", "_GLOBAL_OFFSET_TABLE_"};
-  static constexpr std::array<std::string_view, 8> kPrefixes{
-      "_ZN8cargobay2oi", "_ZNK8cargobay2oi", "__asan_",      "__ubsan_",
-      "__tsan_",         "__rtsan_",         "__start_asan", "__stop_asan"};
+  static constexpr std::array<std::string_view, 10> kPrefixes{
+      "_ZN8cargobay2oi", "_ZNK8cargobay2oi", "__asan_",          "__ubsan_", "__tsan_",
+      "__rtsan_",        "__sancov_",        "__sanitizer_cov_", "__start_", "__stop_"};
   return std::ranges::find(kNames, symbol) != kNames.end() ||
          std::ranges::any_of(kPrefixes, [&](auto prefix) { return symbol.starts_with(prefix); });
 }
