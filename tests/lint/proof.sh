@@ -111,7 +111,7 @@ struct Buffer {
 }  // namespace cargobay::oi
 CODE
 
-tidy() { "$clang_tidy" --quiet "$@" -- -std=c++20 -I"$scratch" 2>&1; }
+tidy() { "$clang_tidy" --quiet "$@" -- -std=c++20 -I"$scratch" -Ihal/c 2>&1; }
 
 # 1. The planted names are reported, each by its kind; in a header too.
 if report=$(tidy "$scratch/oi/planted.cpp"); then fail "clang-tidy accepts the planted file"; fi
@@ -153,7 +153,7 @@ expect "[misc-use-internal-linkage,-warnings-as-errors]"
 report=$(tidy "$scratch/oi/good.cpp") || fail "clang-tidy rejects the good file: $report"
 
 # 3. Every check and option named in the configuration exists, and a misspelt one is noticed.
-for config in .clang-tidy tests/.clang-tidy; do
+for config in .clang-tidy tests/.clang-tidy examples/.clang-tidy; do
   report=$("$clang_tidy" --verify-config --config-file="$config" 2>&1) || fail "$config: $report"
 done
 misspell() {
@@ -175,14 +175,34 @@ for folder in oi tests; do
   grep -q 'readability-identifier-naming$' "$scratch/checks" || fail "no naming check in $folder"
 done
 
-# 5. clang-format too.
+# 5. The analyzer finds what an example does after calls into cargobay.hpp.
+mkdir -p "$scratch/examples"
+cp examples/.clang-tidy "$scratch/examples/"
+cat > "$scratch/examples/planted.cpp" << 'CODE'
+#include <cargobay.hpp>
+
+int main(int count, char** /*arguments*/) {
+  auto robot = cargobay::Robot::open({});
+  if (!robot || !robot->start()) return 1;
+  int* place = nullptr;
+  if (count > 2) place = &count;
+  *place = 3;
+  const int* leak = new int{count};
+  return *leak;
+}
+CODE
+if report=$(tidy "$scratch/examples/planted.cpp"); then fail "clang-tidy accepts the example"; fi
+expect "[clang-analyzer-core.NullDereference,-warnings-as-errors]"
+expect "[clang-analyzer-cplusplus.NewDeleteLeaks,-warnings-as-errors]"
+
+# 6. clang-format too.
 printf 'int  badly_laid_out( ) ;\n' > "$scratch/oi/layout.cpp"
 if "$clang_format" --dry-run -Werror "$scratch/oi/layout.cpp" > /dev/null 2>&1; then
   fail "clang-format accepts a bad layout"
 fi
 "$clang_format" --dry-run -Werror "$scratch/oi/good.cpp" || fail "clang-format rejects the good file"
 
-# 6. So is each turn of phrase that is not to come back.
+# 7. So is each turn of phrase that is not to come back.
 eval "$(grep '^odd_phrases=' tests/lint.sh)"
 for sentence in 'the so manieth frame' 'it is not to be had' 'it begins anew' 'this tells of that' \
   'it stands in for that' 'nothing where there is none' 'the wheels roll on'; do
@@ -190,7 +210,7 @@ for sentence in 'the so manieth frame' 'it is not to be had' 'it begins anew' 't
 done
 ! grep -qwE "$odd_phrases" <<< 'every Nth frame is reported again' || fail "lint.sh minds plain words"
 
-# 7. So is a comment or a page that nobody broke into lines.
+# 8. So is a comment or a page that nobody broke into lines.
 eval "$(grep -E '^long_(comment|line)=' tests/lint.sh)"
 long=$(printf 'word %.0s' {1..25})
 [[ -n $(awk "$long_comment" <<< "  // $long") ]] || fail "lint.sh does not mind a long comment"
