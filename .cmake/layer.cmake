@@ -16,6 +16,10 @@ function(cargobay_layer layer)
   # Nothing reads errno after arithmetic; with it, lrint() and sqrt() are calls, not instructions.
   target_compile_options(${target} PRIVATE -fno-math-errno)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  if(CARGOBAY_FUZZ AND CARGOBAY_SANITIZE)
+    # A fuzzer sees where its inputs lead; to other programs this means nothing.
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
   cargobay_units(${target} ${arg_SOURCES})
   target_link_libraries(${target}
     PRIVATE $<BUILD_INTERFACE:cargobay_warnings>
