@@ -11,12 +11,12 @@
 namespace cargobay::oi {
 namespace {
 
-using Outcome = CommandParser::Outcome;
+using CommandOutcome = CommandParser::Outcome;
 
 std::vector<Bytes> commands_in(CommandParser& parser, const Bytes& bytes) {
   std::vector<Bytes> commands;
   for (const std::uint8_t byte : bytes) {
-    if (parser.push(byte) == Outcome::command) {
+    if (parser.push(byte) == CommandOutcome::command) {
       commands.emplace_back(parser.bytes().begin(), parser.bytes().end());
     }
   }
@@ -26,14 +26,15 @@ std::vector<Bytes> commands_in(CommandParser& parser, const Bytes& bytes) {
 TEST(CommandParser, AnswersForAllOpcodes) {
   for (unsigned opcode = 0; opcode < 256; ++opcode) {
     CommandParser parser;
-    const Outcome outcome = parser.push(static_cast<std::uint8_t>(opcode));
+    const CommandOutcome outcome = parser.push(static_cast<std::uint8_t>(opcode));
     const CommandInfo* info = kCreate.find_command(static_cast<std::uint8_t>(opcode));
     if (info == nullptr) {
-      EXPECT_EQ(outcome, Outcome::unknown_opcode) << opcode;
+      EXPECT_EQ(outcome, CommandOutcome::unknown_opcode) << opcode;
       EXPECT_EQ(parser.needed(), 0U);
       EXPECT_EQ(parser.bytes().size(), 1U);
     } else {
-      EXPECT_EQ(outcome, info->argument_bytes() == 0 ? Outcome::command : Outcome::incomplete)
+      EXPECT_EQ(outcome,
+                info->argument_bytes() == 0 ? CommandOutcome::command : CommandOutcome::incomplete)
           << opcode;
       EXPECT_EQ(parser.needed(), info->argument_bytes());
       EXPECT_EQ(&parser.info(), info);
@@ -71,9 +72,9 @@ TEST(CommandParser, SaysHowManyBytesAreNeededAtLeast) {
   (void)parser.push(2);
   EXPECT_EQ(parser.needed(), 4U);
   for (const std::uint8_t byte : Bytes{60, 32, 64})
-    EXPECT_EQ(parser.push(byte), Outcome::incomplete);
+    EXPECT_EQ(parser.push(byte), CommandOutcome::incomplete);
   EXPECT_EQ(parser.needed(), 1U);
-  EXPECT_EQ(parser.push(32), Outcome::command);
+  EXPECT_EQ(parser.push(32), CommandOutcome::command);
   EXPECT_EQ(parser.needed(), 0U);
 }
 
@@ -118,14 +119,14 @@ TEST(CommandParser, AgreesWithParseCommandOnRandomBytes) {
   CommandParser parser;
   std::size_t begin = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const Outcome outcome = parser.push(bytes[i]);
+    const CommandOutcome outcome = parser.push(bytes[i]);
     const ParseResult result = parse_command(std::span{bytes}.subspan(begin, i + 1 - begin));
-    if (outcome == Outcome::incomplete) {
+    if (outcome == CommandOutcome::incomplete) {
       ASSERT_EQ(result.outcome, ParseResult::Outcome::incomplete);
       ASSERT_EQ(result.needed, parser.needed());
       continue;
     }
-    ASSERT_EQ(outcome == Outcome::unknown_opcode,
+    ASSERT_EQ(outcome == CommandOutcome::unknown_opcode,
               result.outcome == ParseResult::Outcome::unknown_opcode);
     ASSERT_EQ(result.length, parser.bytes().size());
     begin = i + 1;

@@ -13,31 +13,31 @@
 namespace cargobay::oi {
 namespace {
 
-using Outcome = ParseResult::Outcome;
+using ParseOutcome = ParseResult::Outcome;
 
 // What must hold for any bytes at all. Returns the outcome.
-Outcome check(const Bytes& bytes) {
+ParseOutcome check(const Bytes& bytes) {
   // Allocated to exactly its size, so that a sanitizer sees a read past the end.
   const auto exact = std::make_unique<std::uint8_t[]>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), exact.get());
   const ParseResult result = parse_command({exact.get(), bytes.size()});
   switch (result.outcome) {
-    case Outcome::command: {
+    case ParseOutcome::command: {
       const auto encoded = encode(result.command);
       EXPECT_TRUE(encoded.has_value());
       EXPECT_EQ(Bytes(encoded->begin(), encoded->end()),
                 Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(result.length)));
       break;
     }
-    case Outcome::incomplete:
+    case ParseOutcome::incomplete:
       EXPECT_GT(result.needed, 0U);
       EXPECT_EQ(result.length, 0U);
       break;
-    case Outcome::unknown_opcode:
+    case ParseOutcome::unknown_opcode:
       EXPECT_EQ(kCreate.find_command(bytes[0]), nullptr);
       EXPECT_EQ(result.length, 1U);
       break;
-    case Outcome::out_of_range:
+    case ParseOutcome::out_of_range:
       EXPECT_NE(result.error.argument, nullptr);
       EXPECT_FALSE(result.error.argument->accepts(result.error.value));
       EXPECT_EQ(number_at(std::span{bytes}.subspan(result.error.offset), *result.error.argument),
@@ -54,11 +54,11 @@ TEST(ParseCommand, AnswersForAllOpcodes) {
     const ParseResult result = parse_command(Bytes{byte});
     EXPECT_EQ(result.info, kCreate.find_command(byte));
     if (result.info == nullptr) {
-      EXPECT_EQ(result.outcome, Outcome::unknown_opcode);
+      EXPECT_EQ(result.outcome, ParseOutcome::unknown_opcode);
     } else if (result.info->argument_bytes() == 0) {
-      EXPECT_EQ(result.outcome, Outcome::command);
+      EXPECT_EQ(result.outcome, ParseOutcome::command);
     } else {
-      EXPECT_EQ(result.outcome, Outcome::incomplete);
+      EXPECT_EQ(result.outcome, ParseOutcome::incomplete);
       EXPECT_EQ(result.needed, result.info->argument_bytes());
     }
   }
@@ -67,7 +67,7 @@ TEST(ParseCommand, AnswersForAllOpcodes) {
 TEST(ParseCommand, RoundTripsEveryValueOfShortCommands) {
   for (const CommandInfo& info : kCommands) {
     if (info.argument_bytes() == 0) {
-      EXPECT_EQ(check({info.opcode}), Outcome::command);
+      EXPECT_EQ(check({info.opcode}), ParseOutcome::command);
     }
     if (info.tail != Tail::none || info.argument_bytes() > 2) continue;
     const bool two = info.argument_bytes() == 2;
@@ -83,7 +83,7 @@ TEST(ParseCommand, RoundTripsEveryValueOfShortCommands) {
 
 TEST(ParseCommand, RoundTripsRandomLongCommands) {
   std::mt19937 random{1};
-  std::set<std::pair<int, Outcome>> seen;
+  std::set<std::pair<int, ParseOutcome>> seen;
   for (int i = 0; i < 300000; ++i) {
     const CommandInfo& info = kCommands[random() % kCommandCount];
     Bytes bytes{info.opcode};
@@ -102,12 +102,12 @@ TEST(ParseCommand, RoundTripsRandomLongCommands) {
     seen.insert({info.opcode, check(bytes)});
   }
   for (const CommandInfo& info : kCommands) {
-    EXPECT_TRUE(seen.contains({info.opcode, Outcome::command})) << info.key;
+    EXPECT_TRUE(seen.contains({info.opcode, ParseOutcome::command})) << info.key;
     // Any number is allowed for these.
     const bool any = info.argument_count == 0 || info.opcode == 151 ||
                      (info.opcode >= 155 && info.opcode <= 157);
     if (any || info.opcode == 149) continue;
-    EXPECT_TRUE(seen.contains({info.opcode, Outcome::out_of_range})) << info.key;
+    EXPECT_TRUE(seen.contains({info.opcode, ParseOutcome::out_of_range})) << info.key;
   }
 }
 
@@ -129,40 +129,40 @@ TEST(ParseCommand, SaysHowManyBytesATruncatedCommandNeeds) {
     for (std::size_t size = 1; size < whole.size(); ++size) {
       const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
       const ParseResult result = parse_command(part);
-      ASSERT_EQ(result.outcome, Outcome::incomplete);
+      ASSERT_EQ(result.outcome, ParseOutcome::incomplete);
       const std::size_t fixed = 1 + info.argument_bytes();
       EXPECT_EQ(result.needed, (size < fixed ? fixed : whole.size()) - size);
-      EXPECT_EQ(check(part), Outcome::incomplete);
+      EXPECT_EQ(check(part), ParseOutcome::incomplete);
     }
-    EXPECT_EQ(check(whole), Outcome::command);
+    EXPECT_EQ(check(whole), ParseOutcome::command);
   }
-  EXPECT_EQ(parse_command({}).outcome, Outcome::incomplete);
+  EXPECT_EQ(parse_command({}).outcome, ParseOutcome::incomplete);
   EXPECT_EQ(parse_command({}).needed, 1U);
 }
 
 TEST(ParseCommand, LeavesWhatFollowsAlone) {
   const ParseResult result = parse_command(Bytes{129, 10, 131});
-  EXPECT_EQ(result.outcome, Outcome::command);
+  EXPECT_EQ(result.outcome, ParseOutcome::command);
   EXPECT_EQ(result.length, 2U);
 }
 
 TEST(ParseCommand, NamesTheArgumentThatIsOutOfRange) {
   const ParseResult drive = parse_command(Bytes{137, 0, 0, 8, 0});
-  ASSERT_EQ(drive.outcome, Outcome::out_of_range);
+  ASSERT_EQ(drive.outcome, ParseOutcome::out_of_range);
   EXPECT_EQ(drive.error.argument->name, "radius");
   EXPECT_EQ(drive.error.offset, 3U);
   EXPECT_EQ(drive.error.value, 2048);
   EXPECT_EQ(drive.length, 5U);
 
   const ParseResult stream = parse_command(Bytes{148, 3, 7, 43, 8});
-  ASSERT_EQ(stream.outcome, Outcome::out_of_range);
+  ASSERT_EQ(stream.outcome, ParseOutcome::out_of_range);
   EXPECT_EQ(stream.error.argument->name, "packet");
   EXPECT_EQ(stream.error.offset, 3U);
 
   Bytes song{140, 0, 17};
   song.resize(3 + 34);
   const ParseResult too_long = parse_command(song);
-  ASSERT_EQ(too_long.outcome, Outcome::out_of_range);
+  ASSERT_EQ(too_long.outcome, ParseOutcome::out_of_range);
   EXPECT_EQ(too_long.error.argument->name, "length");
 }
 

@@ -14,10 +14,6 @@
 namespace cargobay::rt {
 namespace {
 
-constexpr std::uint64_t kEnough = 50'000;  // changes that the reader has to see
-constexpr std::uint64_t kLeast = 100;      // the same if the two have to share a CPU
-constexpr int kMostGoes = 10;
-
 // A value that shows whether it is whole: all its words are equal.
 struct Whole {
   std::array<std::uint64_t, 64> words{};
@@ -81,7 +77,7 @@ bool is_caught(Box& box) {
   std::uint64_t changes = 0;
   bool caught = false;
   // If other load starves them, the two may hardly meet in one go.
-  for (int i = 0; i < kMostGoes && !caught && changes < kLeast; ++i) {
+  for (int i = 0; i < test::kMostGoes && !caught && changes < test::kLeast; ++i) {
     test::contend([&] { box.put(Whole::of(++written)); },
                   [&] {
                     const auto value = box.get();
@@ -89,10 +85,10 @@ bool is_caught(Box& box) {
                     caught = value->is_torn() || value->words.front() < newest;
                     if (value->words.front() != newest) ++changes;
                     newest = value->words.front();
-                    return caught || changes >= kEnough;
+                    return caught || changes >= test::kEnough;
                   });
   }
-  EXPECT_TRUE(caught || changes >= kLeast) << "only " << changes << " values seen";
+  EXPECT_TRUE(caught || changes >= test::kLeast) << "only " << changes << " values seen";
   return caught;
 }
 

@@ -20,7 +20,7 @@ using Right = Refusal::Right;
 
 constexpr Refusal kNoFifo{.right = Right::fifo, .error = EPERM, .wanted = 80};
 constexpr Refusal kNoLock{.right = Right::memory_lock, .error = ENOMEM};
-constexpr std::uint64_t kMib = std::uint64_t{1} << 20U;
+constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20U;
 
 std::uint64_t only(Capability capability) {
   return std::uint64_t{1} << static_cast<unsigned>(capability);
@@ -32,7 +32,7 @@ TEST(Refusal, NamesTheRemedyOfTheOneWhoCanGiveIt) {
   EXPECT_THAT(fifo(Origin::service), AllOf(HasSubstr("CAP_SYS_NICE"), HasSubstr("LimitRTPRIO=95")));
   EXPECT_THAT(fifo(Origin::container), HasSubstr("--cap-add SYS_NICE --ulimit rtprio=95"));
   const auto memory = [](Origin origin) {
-    return explain(kNoLock, {.origin = origin, .lock_limit = 8 * kMib});
+    return explain(kNoLock, {.origin = origin, .lock_limit = 8 * kMebibyte});
   };
   EXPECT_THAT(memory(Origin::login), AllOf(HasSubstr("memlock unlimited"), HasSubstr("8 MiB")));
   EXPECT_THAT(memory(Origin::service), HasSubstr("LimitMEMLOCK=infinity"));
@@ -71,7 +71,7 @@ TEST(Refusal, SaysWhyThereIsNoThread) {
               AllOf(HasSubstr("20 tasks"), HasSubstr("TasksMax")));
   EXPECT_THAT(explain(none, {.origin = Origin::container, .task_limit = 20}),
               HasSubstr("--pids-limit"));
-  EXPECT_THAT(explain({.right = Right::stack, .error = EAGAIN}, {.lock_limit = kMib}),
+  EXPECT_THAT(explain({.right = Right::stack, .error = EAGAIN}, {.lock_limit = kMebibyte}),
               AllOf(HasSubstr("MCL_FUTURE"), HasSubstr("memlock"), Not(HasSubstr("ulimit -u"))));
   EXPECT_THAT(explain({.right = Right::stack, .error = ENOMEM}, {}), HasSubstr("ulimit -v"));
 }

@@ -13,10 +13,6 @@
 namespace cargobay::rt {
 namespace {
 
-constexpr std::uint64_t kEnough = 50'000;  // changes that the reader has to see
-constexpr std::uint64_t kLeast = 100;      // the same if the two have to share a CPU
-constexpr int kMostGoes = 10;
-
 TEST(SetpointCell, IsAtRestUntilSomethingIsPut) {
   const SetpointCell cell;
   EXPECT_EQ(cell.get().speeds, WheelSpeeds{});
@@ -78,13 +74,13 @@ TEST(SetpointCell, WrapsItsNumbersPastZero) {
 
 // Left and right of one setpoint are opposite, so a mixture shows.
 template <typename Cell>
-bool is_caught(Cell& cell) {
+bool is_caught_mixing(Cell& cell) {
   int next = 0;
   std::uint64_t changes = 0;
   double former = 0.0;
   bool caught = false;
   // If other load starves them, the two may hardly meet in one go.
-  for (int i = 0; i < kMostGoes && !caught && changes < kLeast; ++i) {
+  for (int i = 0; i < test::kMostGoes && !caught && changes < test::kLeast; ++i) {
     test::contend(
         [&] {
           next = next % 499 + 1;
@@ -95,16 +91,16 @@ bool is_caught(Cell& cell) {
           caught = speeds.left_mm_s != -speeds.right_mm_s;
           if (speeds.left_mm_s != former) ++changes;
           former = speeds.left_mm_s;
-          return caught || changes >= kEnough;
+          return caught || changes >= test::kEnough;
         });
   }
-  EXPECT_TRUE(caught || changes >= kLeast) << "only " << changes << " setpoints seen";
+  EXPECT_TRUE(caught || changes >= test::kLeast) << "only " << changes << " setpoints seen";
   return caught;
 }
 
 TEST(SetpointCell, NeverMixesTwoSetpoints) {
   SetpointCell cell;
-  EXPECT_FALSE(is_caught(cell));
+  EXPECT_FALSE(is_caught_mixing(cell));
 }
 
 TEST(SetpointCell, CountsSetpointsFromSeveralThreads) {
@@ -142,7 +138,7 @@ class TwoWordCell {
 
 TEST(SetpointCell, WouldBeCaughtWithAWordForEachWheel) {
   TwoWordCell broken;
-  EXPECT_TRUE(is_caught(broken));
+  EXPECT_TRUE(is_caught_mixing(broken));
 }
 
 }  // namespace

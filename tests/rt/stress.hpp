@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <thread>
 
 namespace cargobay::rt::test {
@@ -50,6 +51,10 @@ inline void falter() {
   thread_local int calls = 0;
   if (++calls % 100 == 0) std::this_thread::yield();
 }
+
+inline constexpr std::uint64_t kEnough = 50'000;  // changes that the reader has to see
+inline constexpr std::uint64_t kLeast = 100;      // the same if the two have to share a CPU
+inline constexpr int kMostGoes = 10;
 
 // Runs `write` on a separate thread, again and again, and `read` on this one until it returns true
 // or patience runs out. Returns what the last `read` returned. Both yield now and then: they may

@@ -17,12 +17,12 @@ using std::chrono_literals::operator""ns;
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""us;
 
-constexpr Duration kTick = 15ms;
+constexpr Duration kTickPeriod = 15ms;
 constexpr TimePoint kStart{1000s};
 
 // A robot that sends a frame per tick, and a path to the clock that delays and drops frames.
 struct Line {
-  Duration tick = kTick;  // by the host's clock
+  Duration tick = kTickPeriod;  // by the host's clock
   // How late the frame of that tick arrives; nothing delays it beyond the next call.
   std::function<Duration(std::int64_t tick)> late = [](std::int64_t) { return Duration{0}; };
   std::function<bool(std::int64_t tick)> drops = [](std::int64_t) { return false; };
@@ -53,7 +53,7 @@ Counted run(const Line& line, std::int64_t ticks) {
       arrivals.push_back({time, 1, tick});
     }
   }
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   Counted counted;
   for (const Arrival& arrival : arrivals) {
     int frames = arrival.frames;
@@ -79,12 +79,12 @@ TEST(TickClock, CountsFramesThatComeOnTime) {
 }
 
 TEST(TickClock, IsNotStartedByItself) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   EXPECT_FALSE(clock.started());
   clock.start(kStart);
   EXPECT_TRUE(clock.started());
   EXPECT_EQ(clock.ticks(), 0);
-  EXPECT_EQ(clock.expected(), kStart + kTick);
+  EXPECT_EQ(clock.expected(), kStart + kTickPeriod);
 }
 
 TEST(TickClock, TakesALateFrameForLate) {
@@ -115,7 +115,7 @@ TEST(TickClock, TakesAnyJitterBelowATickForLateness) {
 TEST(TickClock, CountsEachFrameOfABunch) {
   for (const std::int64_t bunch : {2, 3, 7, 20}) {
     const Line line{.late = [bunch](std::int64_t tick) {
-      return tick > 100 && tick % 50 < bunch ? (bunch - 1 - tick % 50) * kTick : 0ms;
+      return tick > 100 && tick % 50 < bunch ? (bunch - 1 - tick % 50) * kTickPeriod : 0ms;
     }};
     const Counted counted = run(line, 10'000);
     EXPECT_EQ(counted.lost, 0) << bunch;
@@ -130,9 +130,9 @@ TEST(TickClock, LosesNothingToAnAdapterThatBunches) {
   for (const Duration frame : {Duration{0ms}, Duration{2300us}, Duration{8ms}}) {
     for (Duration offset{0}; offset < 16ms; offset += 700us) {
       const Line line{.late = [&](std::int64_t tick) {
-        const Duration whole = tick * kTick + frame + offset;
+        const Duration whole = tick * kTickPeriod + frame + offset;
         const Duration handed_over = (whole + 16ms - 1ns) / 16ms * 16ms;
-        return handed_over - offset - tick * kTick;
+        return handed_over - offset - tick * kTickPeriod;
       }};
       const Counted counted = run(line, 10'000);
       EXPECT_EQ(counted.lost, 0) << frame.count() << ' ' << offset.count();
@@ -159,23 +159,23 @@ TEST(TickClock, CountsLostFramesInARow) {
 
 // A cable pulled out and put back: the time that passed is known once two frames are here.
 TEST(TickClock, DoesNotWaitLongForWhatCannotBeLate) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  EXPECT_EQ(clock.arrived(kStart + 20 * kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 20 * kTickPeriod, 1), 0);
   EXPECT_EQ(clock.missing(), 19);
-  EXPECT_EQ(clock.arrived(kStart + 21 * kTick, 1), 19);
+  EXPECT_EQ(clock.arrived(kStart + 21 * kTickPeriod, 1), 19);
   EXPECT_EQ(clock.ticks(), 21);
 }
 
 // The reader was woken by the first of many frames that were held up together.
 TEST(TickClock, WaitsForABunchThatIsStillBeingHandedOver) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
   for (int i = 0; i < 20; ++i) {
-    EXPECT_EQ(clock.arrived(kStart + 20 * kTick + i * 20us, 1), 0) << i;
+    EXPECT_EQ(clock.arrived(kStart + 20 * kTickPeriod + i * 20us, 1), 0) << i;
   }
   EXPECT_EQ(clock.ticks(), 20);
-  EXPECT_EQ(clock.arrived(kStart + 21 * kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 21 * kTickPeriod, 1), 0);
   EXPECT_EQ(clock.ticks(), 21);
 }
 
@@ -197,65 +197,65 @@ TEST(TickClock, TellsLostFromLateWhereBothHappen) {
 
 // A frame known to be damaged needs no patience: its tick is counted with the next frame.
 TEST(TickClock, BelievesAtOnceInAFrameThatWasSeenDamaged) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  EXPECT_EQ(clock.arrived(kStart + 2 * kTick, 1, 1), 1);
+  EXPECT_EQ(clock.arrived(kStart + 2 * kTickPeriod, 1, 1), 1);
   EXPECT_EQ(clock.ticks(), 2);
   EXPECT_EQ(clock.missing(), 0);
-  EXPECT_EQ(clock.arrived(kStart + 3 * kTick, 1, 1), 0) << "noise between frames is no frame";
+  EXPECT_EQ(clock.arrived(kStart + 3 * kTickPeriod, 1, 1), 0) << "noise between frames is no frame";
   EXPECT_EQ(clock.ticks(), 3);
 }
 
 // A robot whose line is full of something else sends its frames much later, in a bunch.
 TEST(TickClock, TakesBackWhatWasGivenUpAndComesAfterAll) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  EXPECT_EQ(clock.arrived(kStart + 9 * kTick, 1), 0);
-  EXPECT_EQ(clock.arrived(kStart + 10 * kTick, 1), 8);
+  EXPECT_EQ(clock.arrived(kStart + 9 * kTickPeriod, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 10 * kTickPeriod, 1), 8);
   for (int i = 1; i <= 8; ++i) {
-    EXPECT_EQ(clock.arrived(kStart + 10 * kTick + i * 1ms, 1), -1) << i;
+    EXPECT_EQ(clock.arrived(kStart + 10 * kTickPeriod + i * 1ms, 1), -1) << i;
     EXPECT_TRUE(clock.in_phase());
   }
   EXPECT_EQ(clock.ticks(), 10);
-  EXPECT_EQ(clock.arrived(kStart + 11 * kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 11 * kTickPeriod, 1), 0);
   EXPECT_EQ(clock.ticks(), 11);
-  EXPECT_EQ(clock.expected(), kStart + 12 * kTick);
+  EXPECT_EQ(clock.expected(), kStart + 12 * kTickPeriod);
 }
 
 TEST(TickClock, TakesNothingBackASecondLater) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  (void)clock.arrived(kStart + 9 * kTick, 1);
-  EXPECT_EQ(clock.arrived(kStart + 10 * kTick, 1), 8);
-  for (int tick = 11; tick < 100; ++tick) (void)clock.arrived(kStart + tick * kTick, 1);
-  EXPECT_EQ(clock.arrived(kStart + 99 * kTick + 5ms, 1), 0);
+  (void)clock.arrived(kStart + 9 * kTickPeriod, 1);
+  EXPECT_EQ(clock.arrived(kStart + 10 * kTickPeriod, 1), 8);
+  for (int tick = 11; tick < 100; ++tick) (void)clock.arrived(kStart + tick * kTickPeriod, 1);
+  EXPECT_EQ(clock.arrived(kStart + 99 * kTickPeriod + 5ms, 1), 0);
   EXPECT_FALSE(clock.in_phase());
 }
 
 // A given-up frame that is late by most of a tick does not mean that the robot is early.
 TEST(TickClock, KeepsItsPhaseBehindALoss) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  EXPECT_EQ(clock.arrived(kStart + 9 * kTick - 3ms, 1), 0);
-  EXPECT_EQ(clock.arrived(kStart + 10 * kTick - 3ms, 1), 8);
-  EXPECT_EQ(clock.arrived(kStart + 11 * kTick - 3ms, 1), 0);
-  EXPECT_GE(clock.expected(), kStart + 12 * kTick - 100us);
+  EXPECT_EQ(clock.arrived(kStart + 9 * kTickPeriod - 3ms, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 10 * kTickPeriod - 3ms, 1), 8);
+  EXPECT_EQ(clock.arrived(kStart + 11 * kTickPeriod - 3ms, 1), 0);
+  EXPECT_GE(clock.expected(), kStart + 12 * kTickPeriod - 100us);
 }
 
 TEST(TickClock, IsInDoubtUntilTheSecondArrivalBehindASilence) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  EXPECT_EQ(clock.arrived(kStart + 4 * kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 4 * kTickPeriod, 1), 0);
   EXPECT_TRUE(clock.in_doubt());
-  EXPECT_EQ(clock.arrived(kStart + 5 * kTick, 1), 3);
+  EXPECT_EQ(clock.arrived(kStart + 5 * kTickPeriod, 1), 3);
   EXPECT_FALSE(clock.in_doubt());
-  EXPECT_EQ(clock.arrived(kStart + 8 * kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 8 * kTickPeriod, 1), 0);
   EXPECT_FALSE(clock.in_doubt()) << "two may be late";
 }
 
 TEST(TickClock, FollowsTheRobotsDrift) {
   for (const std::int64_t ppm : {-500, -20, 20, 500}) {
-    const Line line{.tick = kTick + kTick * ppm / 1'000'000};
+    const Line line{.tick = kTickPeriod + kTickPeriod * ppm / 1'000'000};
     const Counted counted = run(line, 100'000);
     EXPECT_EQ(counted.lost, 0) << ppm;
     EXPECT_EQ(counted.ticks, 99'999) << ppm;
@@ -267,7 +267,7 @@ TEST(TickClock, FollowsTheDriftUnderJitterAndLoss) {
   for (const std::int64_t ppm : {-500, 500}) {
     std::mt19937 random{11};
     std::exponential_distribution<double> jitter{1.0 / 5e5};  // ns
-    const Line line{.tick = kTick + kTick * ppm / 1'000'000,
+    const Line line{.tick = kTickPeriod + kTickPeriod * ppm / 1'000'000,
                     .late =
                         [&](std::int64_t) {
                           return std::min<Duration>(
@@ -292,58 +292,58 @@ TEST(TickClock, FindsThePhaseWhereTheFirstFrameWasLate) {
 }
 
 TEST(TickClock, KnowsWhichFrameWasDueLast) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  for (int tick = 1; tick <= 5; ++tick) (void)clock.arrived(kStart + tick * kTick, 1);
-  const TimePoint due = kStart + 5 * kTick;
+  for (int tick = 1; tick <= 5; ++tick) (void)clock.arrived(kStart + tick * kTickPeriod, 1);
+  const TimePoint due = kStart + 5 * kTickPeriod;
   EXPECT_EQ(clock.due_by(due), due);
-  EXPECT_EQ(clock.due_by(due + kTick - 1ns), due);
-  EXPECT_EQ(clock.due_by(due + kTick), due + kTick);
-  EXPECT_EQ(clock.due_by(due + 7 * kTick + 3ms), due + 7 * kTick);
-  EXPECT_EQ(clock.due_by(due - 1ns), due - kTick) << "also in the past";
-  EXPECT_EQ(clock.due_by(due - 2 * kTick - 1ns), due - 3 * kTick);
+  EXPECT_EQ(clock.due_by(due + kTickPeriod - 1ns), due);
+  EXPECT_EQ(clock.due_by(due + kTickPeriod), due + kTickPeriod);
+  EXPECT_EQ(clock.due_by(due + 7 * kTickPeriod + 3ms), due + 7 * kTickPeriod);
+  EXPECT_EQ(clock.due_by(due - 1ns), due - kTickPeriod) << "also in the past";
+  EXPECT_EQ(clock.due_by(due - 2 * kTickPeriod - 1ns), due - 3 * kTickPeriod);
 }
 
 TEST(TickClock, SaysWhereItsPhaseWasWrong) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart + 9ms);  // late, which is not known yet
   EXPECT_FALSE(clock.in_phase()) << "one frame shows no phase";
-  (void)clock.arrived(kStart + kTick, 1);  // 9 ms before its time
+  (void)clock.arrived(kStart + kTickPeriod, 1);  // 9 ms before its time
   EXPECT_FALSE(clock.in_phase());
-  (void)clock.arrived(kStart + 2 * kTick, 1);
+  (void)clock.arrived(kStart + 2 * kTickPeriod, 1);
   EXPECT_TRUE(clock.in_phase());
-  (void)clock.arrived(kStart + 3 * kTick + 11ms, 1);
+  (void)clock.arrived(kStart + 3 * kTickPeriod + 11ms, 1);
   EXPECT_TRUE(clock.in_phase()) << "late is no doubt about the phase";
-  (void)clock.arrived(kStart + 4 * kTick - 1ms, 1);
+  (void)clock.arrived(kStart + 4 * kTickPeriod - 1ms, 1);
   EXPECT_TRUE(clock.in_phase()) << "nor is a little early";
 }
 
 TEST(TickClock, KnowsItsPhaseOnceEnoughFramesHaveShownIt) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart + 9ms);
-  (void)clock.arrived(kStart + kTick, 1);
+  (void)clock.arrived(kStart + kTickPeriod, 1);
   for (int tick = 2; tick < 2 + TickClock::kArrivalsToKnow; ++tick) {
     EXPECT_FALSE(clock.knows_phase()) << tick;
-    (void)clock.arrived(kStart + tick * kTick, 1);
+    (void)clock.arrived(kStart + tick * kTickPeriod, 1);
   }
   EXPECT_TRUE(clock.knows_phase());
-  (void)clock.arrived(kStart + 20 * kTick + 9ms, 3);
+  (void)clock.arrived(kStart + 20 * kTickPeriod + 9ms, 3);
   EXPECT_TRUE(clock.knows_phase()) << "late frames do not hide it";
-  (void)clock.arrived(kStart + 21 * kTick - 3ms, 1);
+  (void)clock.arrived(kStart + 21 * kTickPeriod - 3ms, 1);
   EXPECT_TRUE(clock.knows_phase());
-  (void)clock.arrived(kStart + 21 * kTick + 5ms, 1);
+  (void)clock.arrived(kStart + 21 * kTickPeriod + 5ms, 1);
   EXPECT_FALSE(clock.knows_phase()) << "too early to have been right";
   clock.start(kStart);
   EXPECT_FALSE(clock.knows_phase());
 }
 
 TEST(TickClock, BeginsAnewWhenStartedAgain) {
-  TickClock clock{kTick};
+  TickClock clock{kTickPeriod};
   clock.start(kStart);
-  (void)clock.arrived(kStart + 100 * kTick, 1);
+  (void)clock.arrived(kStart + 100 * kTickPeriod, 1);
   clock.start(kStart + 500ms);
   EXPECT_EQ(clock.ticks(), 0);
-  EXPECT_EQ(clock.arrived(kStart + 500ms + kTick, 1), 0);
+  EXPECT_EQ(clock.arrived(kStart + 500ms + kTickPeriod, 1), 0);
   EXPECT_EQ(clock.ticks(), 1);
 }
 

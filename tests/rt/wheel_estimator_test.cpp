@@ -15,7 +15,7 @@ namespace {
 using test::Plant;
 using test::PlantParameters;
 
-constexpr auto kUnknown = RemainderBelief::unknown;
+constexpr auto kUndecided = RemainderBelief::unknown;
 RemainderBelief belief_in(Remainder remainder) {
   return remainder == Remainder::carried ? RemainderBelief::carried : RemainderBelief::lost;
 }
@@ -100,7 +100,7 @@ TEST_P(WheelEstimatorOfBothKinds, NeverDecidesAtRest) {
     Drive drive{{.remainder = GetParam(), .seed = seed}};
     for (int minute = 0; minute < 10; ++minute) {
       drive.run({}, 4000);
-      ASSERT_EQ(drive.estimator().belief(), kUnknown) << minute;
+      ASSERT_EQ(drive.estimator().belief(), kUndecided) << minute;
     }
     drive.run({150, 150}, 67);
     EXPECT_EQ(drive.estimator().belief(), belief_in(GetParam())) << "and is not worn out by it";
@@ -218,7 +218,7 @@ TEST_P(WheelEstimatorOfBothKinds, DiscardsTheFirstReading) {
   WheelEstimator estimator{{}};
   estimator.step({}, WheelEstimator::Reading{.distance_mm = 12'345, .angle_deg = -678});
   EXPECT_EQ(estimator.speeds(), WheelSpeeds{});
-  EXPECT_EQ(estimator.belief(), kUnknown);
+  EXPECT_EQ(estimator.belief(), kUndecided);
 }
 
 // One impossible reading in the middle of a drive.
@@ -280,7 +280,7 @@ TEST(WheelEstimator, ForgetsOnReset) {
   drive.run({200, 200}, 300);
   WheelEstimator estimator = drive.estimator();
   estimator.reset();
-  EXPECT_EQ(estimator.belief(), kUnknown);
+  EXPECT_EQ(estimator.belief(), kUndecided);
   EXPECT_EQ(estimator.speeds(), WheelSpeeds{});
 }
 

@@ -13,8 +13,6 @@
 namespace cargobay::oi {
 namespace {
 
-using What = RtttlError::What;
-
 // The notes as `c4:32 rest:8`, or `column 7: what is wrong`.
 std::string read(std::string_view text) {
   RingTone tone;

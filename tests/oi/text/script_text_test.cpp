@@ -23,11 +23,11 @@ Script script_of(const Bytes& body) {
   return script;
 }
 
-std::string text_of(const Script& script) {
+std::string script_text_of(const Script& script) {
   const ScriptText text = disassemble(script);
   return {text.begin(), text.end()};
 }
-std::string text_of(const Bytes& body) { return text_of(script_of(body)); }
+std::string script_text_of(const Bytes& body) { return script_text_of(script_of(body)); }
 
 // The bytes as they are sent, or none.
 Bytes sent(std::string_view text) {
@@ -48,21 +48,21 @@ std::string complaint(std::string_view text) {
 // What must hold for any body: its text gives the same bytes, and is its own canonical form.
 void check_inverse(const Bytes& body) {
   const Script script = script_of(body);
-  const std::string text = text_of(script);
+  const std::string text = script_text_of(script);
   Script compiled = script_of({1, 2, 3});
   ASSERT_FALSE(compile(text, compiled)) << complaint(text) << " in\n" << text;
   ASSERT_EQ(Bytes(compiled.body.begin(), compiled.body.end()), body) << text;
-  EXPECT_EQ(text_of(compiled), text);
+  EXPECT_EQ(script_text_of(compiled), text);
 }
 
-struct Example {
+struct ScriptExample {
   std::string_view text;
   Bytes bytes;  // as sent
 };
 
 // OI p. 15, literally.
-const std::vector<Example>& examples() {
-  static const std::vector<Example> kAll{
+const std::vector<ScriptExample>& examples() {
+  static const std::vector<ScriptExample> kAll{
       {"drive 300 straight\nwait_distance 400\ndrive 0 0\n",
        {152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0}},
       {"wait_event bump\nwait_event no_bump\nleds play 0 0\n"
@@ -76,14 +76,14 @@ const std::vector<Example>& examples() {
 }
 
 TEST(ScriptText, CompilesTheManualsExamples) {
-  for (const Example& example : examples()) EXPECT_EQ(sent(example.text), example.bytes);
+  for (const ScriptExample& example : examples()) EXPECT_EQ(sent(example.text), example.bytes);
 }
 
 TEST(ScriptText, DisassemblesTheManualsExamples) {
-  for (const Example& example : examples()) {
+  for (const ScriptExample& example : examples()) {
     const auto script = parse<Script>(example.bytes);
     ASSERT_TRUE(script);
-    EXPECT_EQ(text_of(*script), example.text);
+    EXPECT_EQ(script_text_of(*script), example.text);
   }
 }
 
@@ -104,7 +104,7 @@ TEST(ScriptText, OfNothingIsTheEmptyScript) {
   for (const std::string_view text : {"", "\n", " \t\r\n;;", "# nothing", "#"}) {
     EXPECT_EQ(sent(text), (Bytes{152, 0})) << text;
   }
-  EXPECT_EQ(text_of(Bytes{}), "");
+  EXPECT_EQ(script_text_of(Bytes{}), "");
 }
 
 TEST(ScriptText, TakesBytesAsTheyAre) {
@@ -113,27 +113,27 @@ TEST(ScriptText, TakesBytesAsTheyAre) {
 }
 
 TEST(ScriptText, WritesWhatIsNoCommandAsBytes) {
-  EXPECT_EQ(text_of({0}), "bytes 0\n");
-  EXPECT_EQ(text_of({133, 146, 153, 255}), "bytes 133\nbytes 146\nplay_script\nbytes 255\n");
+  EXPECT_EQ(script_text_of({0}), "bytes 0\n");
+  EXPECT_EQ(script_text_of({133, 146, 153, 255}), "bytes 133\nbytes 146\nplay_script\nbytes 255\n");
 }
 
 TEST(ScriptText, WritesACommandOutOfRangeAsBytes) {
-  EXPECT_EQ(text_of({137, 1, 245, 0, 0, 153}), "bytes 137 1 245 0 0\nplay_script\n");
-  EXPECT_EQ(text_of({158, 0}), "bytes 158 0\n");
+  EXPECT_EQ(script_text_of({137, 1, 245, 0, 0, 153}), "bytes 137 1 245 0 0\nplay_script\n");
+  EXPECT_EQ(script_text_of({158, 0}), "bytes 158 0\n");
 }
 
 TEST(ScriptText, WritesACutOffCommandAsBytes) {
-  EXPECT_EQ(text_of({153, 137, 1, 44}), "play_script\nbytes 137 1 44\n");
-  EXPECT_EQ(text_of({140}), "bytes 140\n");
-  EXPECT_EQ(text_of({140, 0, 16, 60, 32}), "bytes 140 0 16 60 32\n");
+  EXPECT_EQ(script_text_of({153, 137, 1, 44}), "play_script\nbytes 137 1 44\n");
+  EXPECT_EQ(script_text_of({140}), "bytes 140\n");
+  EXPECT_EQ(script_text_of({140, 0, 16, 60, 32}), "bytes 140 0 16 60 32\n");
 }
 
 TEST(ScriptText, WritesAStoredScriptInAScriptAsBytes) {
-  EXPECT_EQ(text_of({152, 1, 153, 153}), "bytes 152 1 153\nplay_script\n");
-  EXPECT_EQ(text_of({152, 0}), "bytes 152 0\n");
+  EXPECT_EQ(script_text_of({152, 1, 153, 153}), "bytes 152 1 153\nplay_script\n");
+  EXPECT_EQ(script_text_of({152, 0}), "bytes 152 0\n");
 }
 
-struct Wrong {
+struct WrongScript {
   std::string text;
   std::size_t line;
   std::size_t column;
@@ -141,7 +141,7 @@ struct Wrong {
 };
 
 TEST(ScriptText, SaysWhereAndWhatIsWrong) {
-  const std::vector<Wrong> all{
+  const std::vector<WrongScript> all{
       {"drive 300 straight\n\nwait_angel 90\n", 3, 1,
        "line 3, column 1: 'wait_angel' is not a command; did you mean 'wait_angle'?"},
       {"# far\ndrive 300 straight; drive 501 0", 2, 27,
@@ -166,7 +166,7 @@ TEST(ScriptText, SaysWhereAndWhatIsWrong) {
       {"bytes 1 }", 1, 9, "column 9: bytes are numbers, 0 to 255"},
       {"bytes 99999999999999999999", 1, 7, "column 7: bytes are numbers, 0 to 255"},
   };
-  for (const Wrong& wrong : all) {
+  for (const WrongScript& wrong : all) {
     Script script = script_of({1, 2});
     const auto error = compile(wrong.text, script);
     ASSERT_TRUE(error) << wrong.text;
@@ -262,7 +262,7 @@ TEST(ScriptText, HasALineForEveryCommand) {
           append(argument, largest ? argument.max : argument.min);
         }
       }
-      const std::string text = text_of(body);
+      const std::string text = script_text_of(body);
       EXPECT_TRUE(text.starts_with(info.key)) << text;
       check_inverse(body);
     }
@@ -273,7 +273,7 @@ TEST(ScriptText, HasALineForEveryCommand) {
 TEST(ScriptText, HasALineForEveryPacket) {
   for (std::uint8_t id = 0; id <= 42; ++id) {
     for (const Bytes& body : {Bytes{142, id}, Bytes{148, 1, id}, Bytes{149, 3, id, id, id}}) {
-      EXPECT_FALSE(text_of(body).starts_with("bytes")) << text_of(body);
+      EXPECT_FALSE(script_text_of(body).starts_with("bytes")) << script_text_of(body);
       check_inverse(body);
     }
   }
@@ -349,7 +349,7 @@ TEST(ScriptText, WritesValidScriptsInCommandsOnly) {
       if (body.size() + command.size() > kMaxScriptBytes) break;
       body.insert(body.end(), command.begin(), command.end());
     }
-    const std::string text = text_of(body);
+    const std::string text = script_text_of(body);
     EXPECT_EQ(text.find("bytes"), std::string::npos) << text;
     EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), count) << text;
     check_inverse(body);
