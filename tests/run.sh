@@ -116,7 +116,8 @@ tests() {
   ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$name.log" | sort -u | sed 's/^/    /'
 }
 
-build() { cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs"; }
+# build PRESET [CMAKE-ARGUMENT...]
+build() { cmake --preset "$@" && cmake --build --preset "$1" -j "$jobs"; }
 
 # fuzz_one TARGET: for some seconds, from its corpus.
 fuzz_one() {
@@ -160,18 +161,35 @@ if ((quick)); then
 fi
 
 native=$(dpkg --print-architecture)
+here=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
+
+# pi SUITE [--build]: the emulated Pi with that Debian. With the one of this machine, it runs what is
+# in the package, and tests that were built beside it.
+pi() {
+  local suite=$1 built=()
+  shift
+  [[ $suite != "$here" ]] || built=(--built build/package-arm64)
+  tests/pi/bring_up_test.py "$suite" build/dev/cargobay build/pi ${built[@]+"${built[@]}"} "$@"
+}
+
+pi_build() {
+  if [[ $1 == "$here" ]]; then
+    cmake -D BUILD_TESTING=ON build/package-arm64 &&
+      cmake --build build/package-arm64 -j "$jobs" --target test_gpio test_serial || return
+  fi
+  pi "$1" --build
+}
 
 # All that watches no clock, in the order in which the tests need it.
 build_and_check() {
   local suite preset
   background dev-build build dev
-  for suite in bookworm trixie; do
-    background "pi-$suite-build" tests/pi/bring_up_test.py "$suite" build/dev/cargobay build/pi --build
-  done
+  background package-arm64 .ci/package.sh arm64
+  for suite in bookworm trixie; do background "pi-$suite-build" pi_build "$suite"; done
   for preset in asan tsan rtsan; do background "$preset-build" build "$preset"; done
   background "package-$native" .ci/package.sh "$native"
-  background package-arm64 .ci/package.sh arm64
-  background armhf-build build armhf
+  # Whether it compiles for 32 bit; optimised, the same code has just been compiled for 64.
+  background armhf-build build armhf -D CMAKE_CXX_FLAGS_RELEASE=-O0
   background lint tests/lint.sh
   background c-api docs/c-api.sh --check
 }
@@ -193,9 +211,12 @@ if await dev-build; then tests dev -LE '^pi$'; fi
 # An emulated machine needs a processor for itself, and leaves the other to the builder.
 for suite in bookworm trixie; do
   if await "pi-$suite-build"; then
-    stage "pi-$suite" tests/pi/bring_up_test.py "$suite" build/dev/cargobay build/pi || true
+    stage "pi-$suite" pi "$suite" || true
   fi
 done
+if await package-arm64; then
+  stage package-pi tests/pi/package_test.py "$here" build/pi build/packages || true
+fi
 for preset in asan tsan rtsan; do
   if await "$preset-build"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
 done
@@ -204,8 +225,5 @@ as_root=()
 (($(id -u) == 0)) || as_root=(sudo -n)
 await "package-$native" || true
 stage package-use ${as_root[@]+"${as_root[@]}"} tests/install/package_test.sh build/packages || true
-await package-arm64 || true
-stage package-pi tests/pi/package_test.py "$(. /etc/os-release && echo "$VERSION_CODENAME")" build/pi \
-  build/packages || true
 for name in armhf-build lint c-api; do await "$name" || true; done
 finish

@@ -2,13 +2,15 @@
 """The 19200-baud bring-up and the closed loop on an emulated Raspberry Pi; what the virtual Create
 outside saw of it is the witness.
 
-usage: bring_up_test.py bookworm|trixie COMMAND FOLDER [--build]
+usage: bring_up_test.py bookworm|trixie COMMAND FOLDER [--built BUILT] [--build]
   COMMAND  the native cargobay, which serves the virtual Create
   FOLDER   for what is downloaded and built; kept for the next time
+  BUILT    where the programs for that Debian have been built; without it they are built here
   --build  downloads and builds it, and ends
 Exit 77, and says why, where something that it needs is missing.
 """
 
+import argparse
 import fcntl
 import json
 import re
@@ -23,6 +25,9 @@ from emulated_pi import EmulatedPi, VirtualCreate, lacks, make_initramfs, unpack
 KERNEL_SUITE = "bookworm"
 # Those of the project's tests that touch the kernel and the libraries of the Pi.
 TESTS = ["test_gpio", "test_serial"]
+# What they need on a Debian whose programs have been built elsewhere: the names of the libraries'
+# packages change, those of the packages that need them do not.
+RUN_TIME = ["busybox-static", "libserialport-dev", "libgpiod-dev", "libfmt-dev", "libstdc++6"]
 TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "readelf", *cross_build.TOOLS]
 
 CHIP = "pinctrl-bcm2835"
@@ -199,7 +204,7 @@ def says_what_is_wrong(pi: EmulatedPi, _robot: VirtualCreate) -> None:
         check(code == 1 and single and says in complaint, f"{name}: {complaint}", f"exit code {code}")
 
 
-def prepare(name: str, folder: Path) -> tuple[Path, Path, Path, Path]:
+def prepare(name: str, folder: Path, built: Path | None) -> tuple[Path, Path, Path, Path]:
     """Downloads and builds what is not there yet, one process at a time: kernel, device tree, the
     user space of that Debian, and the folder with what was built for it."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -208,21 +213,26 @@ def prepare(name: str, folder: Path) -> tuple[Path, Path, Path, Path]:
         cache, here = folder / "packages", folder / name
         here.mkdir(exist_ok=True)
         kernel, tree = unpack_kernel(Suite(KERNEL_SUITE, cache), folder / "kernel")
+        suite = Suite(name, cache)
+        if built:
+            return kernel, tree, cross_build.user_space(suite, RUN_TIME, here / "runtime"), built
         targets = ["cargobay", "cargobay_guard", *TESTS]
-        return kernel, tree, *cross_build.cross_build(Suite(name, cache), name, here, targets)
+        return kernel, tree, *cross_build.cross_build(suite, name, here, targets)
 
 
 def main() -> int:
-    build_only = sys.argv[4:] == ["--build"]
-    if len(sys.argv) != 4 + build_only or sys.argv[1] not in cross_build.COMPILER_PACKAGES:
-        print(__doc__, file=sys.stderr)
-        return 2
+    parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1])
+    parser.add_argument("suite", choices=cross_build.COMPILER_PACKAGES)
+    parser.add_argument("command", type=lambda path: Path(path).resolve())
+    parser.add_argument("folder", type=lambda path: Path(path).resolve())
+    parser.add_argument("--built", type=lambda path: Path(path).resolve())
+    parser.add_argument("--build", action="store_true")
+    given = parser.parse_args()
     if lacks(TOOLS):
         return 77
-    name, command, folder = sys.argv[1], Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
-    here = folder / name
-    kernel, tree, root, built = prepare(name, folder)
-    if build_only:
+    name, command, here = given.suite, given.command, given.folder / given.suite
+    kernel, tree, root, built = prepare(name, given.folder, given.built)
+    if given.build:
         return 0
     programs = [built / "cargobay", built / "cargobay-guard", *(built / "tests" / test for test in TESTS)]
     initramfs = make_initramfs(here / "initramfs", root, programs)

@@ -25,26 +25,33 @@ def run_quietly(command: list) -> None:
         sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout}")
 
 
-def cross_build(
-    suite: Suite, name: str, folder: Path, targets: list[str], optimise: str = "-O1"
-) -> tuple[Path, Path]:
-    """The user space of that Debian, and the folder with what was built for it."""
-    root, target = folder / "root", folder / f"build{optimise}"
+def user_space(suite: Suite, packages: list[str], root: Path) -> Path:
+    """The packages and what they depend on, in a folder."""
     if not root.exists():
-        part = folder / "root.part"
+        part = root.with_suffix(".part")
         shutil.rmtree(part, ignore_errors=True)
-        suite.unpack(suite.closure([*PACKAGES, COMPILER_PACKAGES[name]], NOT_NEEDED), part)
+        suite.unpack(suite.closure(packages, NOT_NEEDED), part)
         if not (part / "lib").exists():
             (part / "lib").symlink_to("usr/lib")
             # clang reaches its headers by lib/../include, of which ninja, without a look at the links,
             # makes include: without that, it would compile everything again each time.
             (part / "include").symlink_to("usr/include")
         part.rename(root)
+    return root
+
+
+def cross_build(
+    suite: Suite, name: str, folder: Path, targets: list[str], optimise: str = "-O1"
+) -> tuple[Path, Path]:
+    """The user space of that Debian, and the folder with what was built for it."""
+    root = user_space(suite, [*PACKAGES, COMPILER_PACKAGES[name]], folder / "root")
+    target = folder / f"build{optimise}"
+    # Not a Release: the command, which is no concern of the tests, would be optimised too.
     run_quietly(
         ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
          f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
-         "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_FLAGS_RELEASE={optimise} -DNDEBUG",
-         "-DCMAKE_UNITY_BUILD=ON", "-DCARGOBAY_WERROR=ON"]
+         "-DCMAKE_BUILD_TYPE=RelWithDebInfo", f"-DCMAKE_CXX_FLAGS_RELWITHDEBINFO={optimise} -DNDEBUG",
+         "-DCMAKE_EXE_LINKER_FLAGS=-s", "-DCMAKE_UNITY_BUILD=ON", "-DCARGOBAY_WERROR=ON"]
     )  # fmt: skip
     run_quietly(["cmake", "--build", target, "--target", *targets])
     return root, target
