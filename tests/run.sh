@@ -3,7 +3,7 @@
 # usage: tests/run.sh [--quick]
 #   --quick  the tests in virtual time, built alone, and the layout check: four minutes from nothing
 # Without it: clang-tidy, the sanitizers for addresses, undefined behaviour, threads and real time,
-# fuzzing (a minute a target; CARGOBAY_FUZZ_SECONDS), the pages of the C API, the Debian packages for
+# fuzzing (half a minute a target; CARGOBAY_FUZZ_SECONDS), the pages of the C API, the Debian packages for
 # two architectures, and their use on a fresh Debian and on an emulated Raspberry Pi too. Logs are in
 # build/log.
 set -euo pipefail
@@ -128,7 +128,7 @@ fuzz_one() {
   local corpora=("build/fuzz/corpus/$name")
   [[ ! -d tests/fuzz/corpus/$name ]] || corpora+=("tests/fuzz/corpus/$name")
   echo "== $name"
-  "$1" -max_total_time="${CARGOBAY_FUZZ_SECONDS:-60}" -artifact_prefix=build/fuzz/ \
+  "$1" -max_total_time="${CARGOBAY_FUZZ_SECONDS:-30}" -artifact_prefix=build/fuzz/ \
     -print_final_stats=1 "${corpora[@]}" > "build/log/fuzz-$name.log" 2>&1 || {
     tail -n 40 "build/log/fuzz-$name.log"
     return 1
