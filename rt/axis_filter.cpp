@@ -9,7 +9,7 @@
 namespace cargobay::rt {
 namespace {
 
-constexpr double kInitialDisturbanceSd = 5.0;  // mm/s: at rest the motors lose nothing
+constexpr double kInitialDisturbanceSd = 1.0;  // mm/s
 constexpr double kLeastProbability = 1e-4;     // no single reading may decide everything
 
 double normal_density(double z) CARGOBAY_NONBLOCKING {
@@ -52,19 +52,17 @@ Moments truncate(double mean, double variance, double low, double high) CARGOBAY
 
 }  // namespace
 
-AxisFilter::Transition AxisFilter::driven(const Parameters& parameters) {
-  const double decay = std::exp(-parameters.tick_s / parameters.lag_s);
-  const double travel = parameters.lag_s * (1.0 - decay);  // mm for 1 mm/s of initial speed
+AxisFilter::Response AxisFilter::response(double lag_s, double tick_s) CARGOBAY_NONBLOCKING {
+  const double decay = std::exp(-tick_s / lag_s);
+  const double travel = lag_s * (1.0 - decay);  // mm for 1 mm/s of initial speed
   return {.position_by_speed = travel,
-          .position_by_input = parameters.tick_s - travel,
+          .position_by_input = tick_s - travel,
           .speed_by_speed = decay,
           .speed_by_input = 1.0 - decay};
 }
 
 AxisFilter::AxisFilter(const Parameters& parameters)
-    : parameters_{parameters}, driven_{driven(parameters)}, coasting_{driven_} {
-  coasting_.position_by_input = 0.0;
-  coasting_.speed_by_input = 0.0;
+    : parameters_{parameters}, keep_{std::exp(-parameters.tick_s / parameters.disturbance_lag_s)} {
   reset();
 }
 
@@ -78,27 +76,30 @@ void AxisFilter::reset() CARGOBAY_NONBLOCKING {
   covariance(kDisturbance, kDisturbance) = kInitialDisturbanceSd * kInitialDisturbanceSd;
 }
 
-void AxisFilter::predict(double command_mm_s, double disturbance_sd_mm_s, double position_sd_mm)
+void AxisFilter::predict(double driven_mm_s, const Response& response, const Doubt& doubt)
     CARGOBAY_NONBLOCKING {
-  const double noise = parameters_.disturbance_noise_mm_s;
-  propagate(driven_, noise * noise + disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
-  state_[kPosition] += driven_.position_by_input * command_mm_s;
-  state_[kSpeed] += driven_.speed_by_input * command_mm_s;
+  propagate(response, parameters_.disturbance_noise_mm_s, doubt);
+  state_[kPosition] += response.position_by_input * driven_mm_s;
+  state_[kSpeed] += response.speed_by_input * driven_mm_s;
 }
 
-void AxisFilter::coast(double disturbance_sd_mm_s, double position_sd_mm) CARGOBAY_NONBLOCKING {
-  propagate(coasting_, disturbance_sd_mm_s * disturbance_sd_mm_s, position_sd_mm);
+void AxisFilter::coast(const Response& response, const Doubt& doubt) CARGOBAY_NONBLOCKING {
+  Response coasting = response;
+  coasting.position_by_input = 0.0;
+  coasting.speed_by_input = 0.0;
+  propagate(coasting, 0.0, doubt);
 }
 
 // F x and F P F' written out: most of F is 0 or 1, and P is symmetric. Takes a third of the
 // instructions of the matrix products.
-void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
-                           double position_sd_mm) CARGOBAY_NONBLOCKING {
+void AxisFilter::propagate(const Response& tick, double disturbance_sd_mm_s, const Doubt& doubt)
+    CARGOBAY_NONBLOCKING {
   const auto& [position_by_speed, position_by_input, speed_by_speed, speed_by_input] = tick;
   const double speed = state_[kSpeed];
   const double input = state_[kDisturbance];
   state_[kPosition] += position_by_speed * speed + position_by_input * input;
   state_[kSpeed] = speed_by_speed * speed + speed_by_input * input;
+  state_[kDisturbance] = keep_ * input;
 
   Covariance p{covariance_.data()};
   const double speed_speed = p(kSpeed, kSpeed);
@@ -115,16 +116,19 @@ void AxisFilter::propagate(const Transition& tick, double disturbance_variance,
   const double moved_speed_speed = speed_by_speed * speed_speed + speed_by_input * speed_input;
   const double moved_speed_input = speed_by_speed * speed_input + speed_by_input * input_input;
 
-  const double speed_noise = parameters_.speed_noise_mm_s;
+  const double speed_variance = parameters_.speed_noise_mm_s * parameters_.speed_noise_mm_s +
+                                doubt.speed_mm_s * doubt.speed_mm_s;
   p(kPosition, kPosition) = position_position + position_by_speed * position_speed +
-                            position_by_input * position_input + position_sd_mm * position_sd_mm;
+                            position_by_input * position_input +
+                            doubt.position_mm * doubt.position_mm;
   p(kPosition, kSpeed) = p(kSpeed, kPosition) =
       speed_by_speed * position_speed + speed_by_input * position_input;
-  p(kPosition, kDisturbance) = p(kDisturbance, kPosition) = position_input;
-  p(kSpeed, kSpeed) = speed_by_speed * moved_speed_speed + speed_by_input * moved_speed_input +
-                      speed_noise * speed_noise;
-  p(kSpeed, kDisturbance) = p(kDisturbance, kSpeed) = moved_speed_input;
-  p(kDisturbance, kDisturbance) = input_input + disturbance_variance;
+  p(kPosition, kDisturbance) = p(kDisturbance, kPosition) = keep_ * position_input;
+  p(kSpeed, kSpeed) =
+      speed_by_speed * moved_speed_speed + speed_by_input * moved_speed_input + speed_variance;
+  p(kSpeed, kDisturbance) = p(kDisturbance, kSpeed) = keep_ * moved_speed_input;
+  p(kDisturbance, kDisturbance) =
+      keep_ * keep_ * input_input + disturbance_sd_mm_s * disturbance_sd_mm_s;
 }
 
 double AxisFilter::read(int count, Remainder remainder) CARGOBAY_NONBLOCKING {

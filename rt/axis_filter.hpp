@@ -1,8 +1,7 @@
 // A Kalman filter for one axis of motion, measured by a counter that truncates to whole steps.
 //
-// States: position since the counter was last read, speed, and an input disturbance (what the
-// motors lose, in the unit of the command). Speed follows command + disturbance with a first-order
-// lag.
+// States: position since the counter was last read, speed, and a disturbance: how much faster the
+// wheels end up than they are driven at. Speed follows both with a first-order lag.
 //
 // A reading z means that the position lies in an interval, not at a point: [z, z+1) steps going
 // forward, (z-1, z] going back, (-1, 1) at 0. The update conditions the state on that interval by
@@ -22,12 +21,30 @@ namespace cargobay::rt {
 class AxisFilter {
  public:
   struct Parameters {
-    double step_mm = 1.0;  // one count, in mm along the axis (above 0)
-    double lag_s = 0.100;  // of the first-order response
-    double tick_s = 0.015;
+    double step_mm = 1.0;                 // one count, in mm along the axis (above 0)
+    double tick_s = 0.015;                // above 0
     double speed_noise_mm_s = 2.0;        // standard deviation added to the speed each tick
-    double disturbance_noise_mm_s = 0.3;  // the same for the disturbance, at a constant command
+    double disturbance_noise_mm_s = 1.0;  // the same for the disturbance
+    double disturbance_lag_s = 0.200;     // in which it fades (above 0)
     double counter_noise_mm = 0.15;       // encoder resolution and the like
+  };
+
+  // What one tick does to position and speed.
+  struct Response {
+    double position_by_speed = 0.0;  // s
+    double position_by_input = 0.0;  // s
+    double speed_by_speed = 0.0;
+    double speed_by_input = 0.0;
+  };
+  // With a first-order lag; both above 0.
+  static Response response(double lag_s, double tick_s) CARGOBAY_NONBLOCKING;
+
+  // Standard deviations of one tick, beside those of the parameters.
+  struct Doubt {
+    double speed_mm_s = 0.0;
+    // How far the counter may have gone wrong: a wheel that coasts against its commanded direction
+    // counts backwards.
+    double position_mm = 0.0;
   };
 
   explicit AxisFilter(const Parameters& parameters);
@@ -35,16 +52,12 @@ class AxisFilter {
   // Back to standstill, with nothing known about the disturbance.
   void reset() CARGOBAY_NONBLOCKING;
 
-  // One tick with `command_mm_s` as its mean command. `disturbance_sd_mm_s`: how much the
-  // disturbance may have changed because the command did. `position_sd_mm`: how far the counter may
-  // have gone wrong in this tick (a wheel that coasts against its commanded direction counts
-  // backwards).
-  void predict(double command_mm_s, double disturbance_sd_mm_s, double position_sd_mm)
+  // One tick in which the wheels are driven at `driven_mm_s` in the mean.
+  void predict(double driven_mm_s, const Response& response, const Doubt& doubt)
       CARGOBAY_NONBLOCKING;
 
-  // The same with the motors commanded to 0: nothing drives the wheels, and neither does the
-  // disturbance, which is what the motors lose.
-  void coast(double disturbance_sd_mm_s, double position_sd_mm) CARGOBAY_NONBLOCKING;
+  // The same without a drive: then nothing is disturbed either.
+  void coast(const Response& response, const Doubt& doubt) CARGOBAY_NONBLOCKING;
 
   // The counter was read and said `count`. Returns the natural logarithm of the probability that
   // this filter gave that count.
@@ -74,24 +87,12 @@ class AxisFilter {
   static constexpr std::size_t kDisturbance = 2;
   static constexpr std::size_t kStates = 3;
 
-  // What a tick does to the state: the entries of its matrix that are not 0 or 1,
-  //   1  position_by_speed  position_by_input
-  //   0  speed_by_speed     speed_by_input
-  //   0  0                  1
-  struct Transition {
-    double position_by_speed = 0.0;
-    double position_by_input = 0.0;
-    double speed_by_speed = 0.0;
-    double speed_by_input = 0.0;
-  };
-  static Transition driven(const Parameters& parameters);
-  void propagate(const Transition& tick, double disturbance_variance, double position_sd_mm)
+  void propagate(const Response& tick, double disturbance_sd_mm_s, const Doubt& doubt)
       CARGOBAY_NONBLOCKING;
   void forget_position(double variance) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
-  Transition driven_;
-  Transition coasting_;  // the same without the disturbance's part
+  double keep_;  // of the disturbance, from tick to tick
   // The source maps these to a vector and a matrix, so that includers of this header need no Eigen.
   std::array<double, kStates> state_{};
   std::array<double, kStates * kStates> covariance_{};

@@ -9,7 +9,7 @@ void ReadSchedule::begin(Phase phase) CARGOBAY_NONBLOCKING {
   in_phase_ = 0;
 }
 
-// Reads every frame for a while, then lets one window pass, and starts over.
+// A window, successive readings, and so on in turn.
 bool ReadSchedule::probe() CARGOBAY_NONBLOCKING {
   if (phase_ == Phase::reads && in_phase_ >= parameters_.probe_reads) begin(Phase::window);
   ++in_phase_;
@@ -19,32 +19,51 @@ bool ReadSchedule::probe() CARGOBAY_NONBLOCKING {
   return true;
 }
 
-// A window is as long as the speed has been steady, within its limits.
-bool ReadSchedule::windowed() CARGOBAY_NONBLOCKING {
-  const int window = std::clamp(steady_, parameters_.least_window_ticks, parameters_.window_ticks);
-  if (++in_phase_ < window) return false;
+bool ReadSchedule::window(int ticks) CARGOBAY_NONBLOCKING {
+  if (++in_phase_ < ticks) return false;
   in_phase_ = 0;
   return true;
 }
 
-bool ReadSchedule::next_reads(RemainderBelief belief, Motion motion) CARGOBAY_NONBLOCKING {
-  steady_ = motion == Motion::steady ? std::min(steady_ + 1, parameters_.window_ticks) : 0;
+// A window is half as long as the speed has been steady, within its limits.
+bool ReadSchedule::windowed() CARGOBAY_NONBLOCKING {
+  return window(std::clamp(steady_ / 2, parameters_.least_window_ticks, parameters_.window_ticks));
+}
+
+bool ReadSchedule::check_due(RemainderBelief belief, bool sure) CARGOBAY_NONBLOCKING {
+  ++since_check_;
+  if (check_ends_ == 0) {
+    const int due = !sure                                ? parameters_.recheck_unsure_ticks
+                    : belief == RemainderBelief::carried ? parameters_.recheck_carried_ticks
+                                                         : parameters_.recheck_lost_ticks;
+    if (since_check_ < due) return false;
+    begin(Phase::window);
+    check_ends_ = since_check_ + parameters_.probe_reads + 2 * parameters_.probe_window_ticks;
+  }
+  if (since_check_ < check_ends_) return true;
+  since_check_ = 0;
+  check_ends_ = 0;
+  return false;
+}
+
+bool ReadSchedule::next_reads(RemainderBelief belief, bool sure, Motion motion)
+    CARGOBAY_NONBLOCKING {
+  steady_ = motion == Motion::steady ? std::min(steady_ + 1, 2 * parameters_.window_ticks) : 0;
   if (motion == Motion::none) {  // nothing to lose: start the next motion with fresh counters
-    begin(Phase::reads);
-    since_check_ = 0;
+    begin(Phase::window);
+    moving_ = 0;
+    check_ends_ = 0;
     return true;
   }
-  ++since_check_;
-  if (belief == RemainderBelief::unknown) return probe();
-  const bool carried = belief == RemainderBelief::carried;
-  const int quiet_ticks =
-      carried ? parameters_.recheck_carried_ticks : parameters_.recheck_lost_ticks;
-  if (since_check_ < quiet_ticks) return carried || windowed();
-  if (since_check_ == quiet_ticks) begin(Phase::reads);
-  if (since_check_ >= quiet_ticks + parameters_.probe_reads + parameters_.probe_window_ticks) {
-    since_check_ = 0;
+  moving_ = std::min(moving_ + 1, parameters_.probe_most_ticks);
+  // At some speeds the kind does not show; long windows serve both.
+  if (belief == RemainderBelief::unknown && moving_ < parameters_.probe_most_ticks) {
+    const bool probes =
+        steady_ >= parameters_.probe_steady_ticks || moving_ >= parameters_.probe_moving_ticks;
+    return probes ? probe() : window(parameters_.probe_window_ticks);
   }
-  return probe();
+  if (check_due(belief, sure)) return probe();
+  return belief == RemainderBelief::carried || windowed();
 }
 
 }  // namespace cargobay::rt

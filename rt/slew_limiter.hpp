@@ -1,65 +1,82 @@
-// Limits how fast a wheel's set speed changes, and how fast that change builds up.
+// Limits how fast the set speeds of the wheels change, and how fast that change builds up.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
 #include "rt/nonblocking.hpp"
+#include "rt/wheel_speeds.hpp"
 
 namespace cargobay::rt {
 
-// One thread; no allocation. If the target is constant, the set speed reaches it exactly and never
-// overshoots. If it moves, the acceleration in progress may be too much for it: the excess is
-// dropped at once, whatever the jerk limit, so that a wheel asked to slow down does not speed up
-// first.
+// One thread; no allocation. Both wheels change in proportion, so that they arrive together: from
+// standing, the robot keeps to the curve that it is asked for. If the targets are constant, the set
+// speeds reach them exactly and never overshoot. If they move, the acceleration in progress may be
+// too much for them: the excess is dropped at once, whatever the jerk limit, so that a wheel asked
+// to slow down does not speed up first.
 class SlewLimiter {
  public:
   struct Limits {
-    double acceleration_mm_s2 = 1000.0;  // above 0
+    double acceleration_mm_s2 = 1000.0;  // above 0; of the wheel that changes more
     double jerk_mm_s3 = 0.0;             // how fast the acceleration may grow; 0: at once
   };
-  // At which a wheel is slowed down that nobody steers, if its limit is not higher.
+  // At which wheels are slowed down that nobody steers, if their limit is not higher.
   static constexpr double kBrakeMmS2 = 1000.0;
 
   explicit SlewLimiter(const Limits& limits) : limits_{limits} {}
 
-  // Stays at that speed from now on, whatever the limits: also for the stop that must not wait.
-  void reset(double speed_mm_s) CARGOBAY_NONBLOCKING {
-    speed_mm_s_ = speed_mm_s;
-    rate_mm_s2_ = 0.0;
+  // Stays at these speeds from now on, whatever the limits: also for the stop that must not wait.
+  void reset(const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
+    speeds_ = speeds;
+    rates_ = {};
   }
 
-  // One step of `step_s` seconds towards the target. Returns the speed to follow.
-  double step(double target_mm_s, double step_s) CARGOBAY_NONBLOCKING {
-    const double way_mm_s = target_mm_s - speed_mm_s_;
-    return change(way_mm_s, most_change(way_mm_s, step_s), target_mm_s, step_s);
+  // One step of `step_s` seconds towards the target. Returns the speeds to follow.
+  WheelSpeeds step(const WheelSpeeds& target, double step_s) CARGOBAY_NONBLOCKING {
+    return change(target, step_s, [&](double way_mm_s, double rate_mm_s2) CARGOBAY_NONBLOCKING {
+      return most_change(way_mm_s, rate_mm_s2, step_s);
+    });
   }
-  // One step towards standstill, for a wheel that nobody steers: however gentle the limits, it does
-  // not roll far.
-  double brake(double step_s) CARGOBAY_NONBLOCKING {
+  // One step towards standstill, for wheels that nobody steers: however gentle the limits, the
+  // robot does not roll far.
+  WheelSpeeds brake(double step_s) CARGOBAY_NONBLOCKING {
     const double most_mm_s = std::max(limits_.acceleration_mm_s2, kBrakeMmS2) * step_s;
-    return change(-speed_mm_s_, most_mm_s, 0.0, step_s);
+    return change({}, step_s,
+                  [most_mm_s](double, double) CARGOBAY_NONBLOCKING { return most_mm_s; });
   }
-  double speed_mm_s() const CARGOBAY_NONBLOCKING { return speed_mm_s_; }
-  // Acceleration of the last step.
-  double rate_mm_s2() const CARGOBAY_NONBLOCKING { return rate_mm_s2_; }
+  const WheelSpeeds& speeds() const CARGOBAY_NONBLOCKING { return speeds_; }
+  // Accelerations of the last step, mm/s^2.
+  const WheelSpeeds& rates() const CARGOBAY_NONBLOCKING { return rates_; }
 
  private:
-  double change(double way_mm_s, double most_mm_s, double target_mm_s, double step_s)
+  template <typename Most>
+  WheelSpeeds change(const WheelSpeeds& target, double step_s, const Most& most)
       CARGOBAY_NONBLOCKING {
-    const double change_mm_s = std::clamp(way_mm_s, -most_mm_s, most_mm_s);
+    const double left_mm_s = target.left_mm_s - speeds_.left_mm_s;
+    const double right_mm_s = target.right_mm_s - speeds_.right_mm_s;
+    const bool left_leads = std::abs(left_mm_s) >= std::abs(right_mm_s);
+    const double way_mm_s = left_leads ? left_mm_s : right_mm_s;
+    const double rate_mm_s2 = left_leads ? rates_.left_mm_s : rates_.right_mm_s;
+    const double most_mm_s = most(way_mm_s, rate_mm_s2);
+    const WheelSpeeds former = speeds_;
     // Adding the difference could miss the target by a rounding error.
-    speed_mm_s_ = change_mm_s == way_mm_s ? target_mm_s : speed_mm_s_ + change_mm_s;
-    rate_mm_s2_ = change_mm_s / step_s;
-    return speed_mm_s_;
+    if (std::abs(way_mm_s) <= most_mm_s) {
+      speeds_ = target;
+    } else {
+      const double part = most_mm_s / std::abs(way_mm_s);
+      speeds_ = {former.left_mm_s + part * left_mm_s, former.right_mm_s + part * right_mm_s};
+    }
+    rates_ = {(speeds_.left_mm_s - former.left_mm_s) / step_s,
+              (speeds_.right_mm_s - former.right_mm_s) / step_s};
+    return speeds_;
   }
 
   // The greatest change towards the target in this step, unsigned.
-  double most_change(double way_mm_s, double step_s) const CARGOBAY_NONBLOCKING {
+  double most_change(double way_mm_s, double rate_mm_s2, double step_s) const CARGOBAY_NONBLOCKING {
     const double most_mm_s = limits_.acceleration_mm_s2 * step_s;
     if (limits_.jerk_mm_s3 <= 0.0) return most_mm_s;
     const double growth_mm_s = limits_.jerk_mm_s3 * step_s * step_s;
-    const double former_mm_s = (way_mm_s < 0.0 ? -rate_mm_s2_ : rate_mm_s2_) * step_s;
+    const double former_mm_s = (way_mm_s < 0.0 ? -rate_mm_s2 : rate_mm_s2) * step_s;
     return std::min({most_mm_s, std::max(0.0, former_mm_s) + growth_mm_s,
                      fading_change(std::abs(way_mm_s), growth_mm_s)});
   }
@@ -72,8 +89,8 @@ class SlewLimiter {
   }
 
   Limits limits_;
-  double speed_mm_s_ = 0.0;
-  double rate_mm_s2_ = 0.0;
+  WheelSpeeds speeds_{};
+  WheelSpeeds rates_{};
 };
 
 }  // namespace cargobay::rt

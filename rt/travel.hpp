@@ -14,4 +14,10 @@ struct Travel {
   double unread_turn_variance = 0.0;
 };
 
+// The same for either kind of robot (rt/remainder.hpp).
+struct Travels {
+  Travel if_carried{};
+  Travel if_lost{};
+};
+
 }  // namespace cargobay::rt

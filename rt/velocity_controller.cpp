@@ -1,22 +1,34 @@
 #include "rt/velocity_controller.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cargobay::rt {
+namespace {
 
-double VelocityController::step(double set_mm_s, double set_rate_mm_s2, double estimate_mm_s)
+constexpr double kCaution = 1.5;  // standard deviations of the gain
+constexpr double kMostGain = 1.15;
+constexpr double kRollsMmS = 10.0;  // slower, its direction is not sure
+
+}  // namespace
+
+double VelocityController::command(const Wish& wish, const Wheel& wheel) const
     CARGOBAY_NONBLOCKING {
+  const double largest = std::max({std::abs(wish.set_mm_s), std::abs(wish.target_mm_s), 1.0});
+  const double room =
+      std::max(parameters_.overshoot_share, parameters_.overshoot_mm_s / largest) * wheel.gain;
+  const double gain = wheel.gain + std::max(0.0, kCaution * wheel.gain_sd - room);
+  const double lead_mm_s = wish.set_mm_s + wheel.lag_s * wish.rate_mm_s2;
+  const double feedback_mm_s =
+      wheel.proportional * (wish.set_mm_s - wheel.speed_mm_s) - wheel.disturbance_mm_s;
+  const double most_mm_s =
+      (kMostOverSet * std::max(std::abs(wish.set_mm_s), std::abs(wish.target_mm_s)) +
+       kMostBeyondMmS) /
+      kMostGain;
+  const double wanted_mm_s = std::clamp((lead_mm_s + feedback_mm_s) / gain, -most_mm_s, most_mm_s);
+  if (std::abs(wheel.speed_mm_s) > kRollsMmS && wanted_mm_s * wheel.speed_mm_s < 0.0) return 0.0;
   const double limit = parameters_.max_command_mm_s;
-  const double error_mm_s = set_mm_s - estimate_mm_s;
-  const double forward_mm_s = set_mm_s + parameters_.lag_s * set_rate_mm_s2;
-  const double integral_mm_s =
-      integral_mm_s_ + parameters_.integral_per_s * parameters_.tick_s * error_mm_s;
-  const double wanted_mm_s = forward_mm_s + parameters_.proportional * error_mm_s + integral_mm_s;
-  const double command_mm_s = std::clamp(wanted_mm_s, -limit, limit);
-  const bool saturated = command_mm_s != wanted_mm_s;
-  const bool pushes_further = (wanted_mm_s > command_mm_s) == (error_mm_s > 0.0);
-  if (!saturated || !pushes_further) integral_mm_s_ = integral_mm_s;
-  return command_mm_s;
+  return std::clamp(wanted_mm_s, -limit, limit);
 }
 
 }  // namespace cargobay::rt

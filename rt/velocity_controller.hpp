@@ -1,5 +1,10 @@
-// A wheel's velocity controller: feed-forward through the inverse of the wheel's lag, and a PI on
-// the estimate for what the model does not know (droop, friction, load).
+// A wheel's velocity controller: the command that should bring the wheel to its set speed, through
+// what is known of the wheel.
+//
+// There is no integral of its own to wind up. What the wheel falls short by is a state of the
+// estimator (rt/wheel_estimator.hpp), which knows what has been commanded and when it acts, so a
+// wheel that still speeds up, waits or ramps is not pushed. (C. E. Garcia and M. Morari, Internal
+// model control, Ind. Eng. Chem. Process Des. Dev. 21, 1982.)
 #pragma once
 
 #include "rt/nonblocking.hpp"
@@ -9,26 +14,40 @@ namespace cargobay::rt {
 class VelocityController {
  public:
   struct Parameters {
-    double lag_s = 0.100;             // of the wheel, for the feed-forward
-    double proportional = 0.3;        // mm/s of command for 1 mm/s of error
-    double integral_per_s = 4.0;      // mm/s of command, each second, for 1 mm/s of error
     double max_command_mm_s = 500.0;  // the robot's range
-    double tick_s = 0.015;
+    // A set speed may be overshot by the larger of these while the gain is not known better.
+    double overshoot_share = 0.06;
+    double overshoot_mm_s = 10.0;
   };
+
+  // What is known of the wheel now.
+  struct Wheel {
+    double gain = 1.0;  // mm/s for each commanded mm/s; above 0
+    double gain_sd = 0.0;
+    double lag_s = 0.0;             // that it surely has
+    double proportional = 0.0;      // mm/s of drive for each mm/s of error
+    double disturbance_mm_s = 0.0;  // as AxisFilter has it
+    double speed_mm_s = 0.0;
+  };
+  struct Wish {
+    double set_mm_s = 0.0;
+    double rate_mm_s2 = 0.0;   // at which that changes
+    double target_mm_s = 0.0;  // and where to
+  };
+
+  // Whatever the readings say, no wheel is commanded to more than these times its set speed, or its
+  // target if that is faster, and these mm/s beyond it, for the strongest motor.
+  static constexpr double kMostOverSet = 1.7;
+  static constexpr double kMostBeyondMmS = 50.0;
 
   explicit VelocityController(const Parameters& parameters) : parameters_{parameters} {}
 
-  void reset() CARGOBAY_NONBLOCKING { integral_mm_s_ = 0.0; }
-
-  // One tick. The set speed and its rate of change; the estimated speed. Returns the command,
-  // within +-max_command_mm_s. The integral does not grow while the command is at its limit.
-  double step(double set_mm_s, double set_rate_mm_s2, double estimate_mm_s) CARGOBAY_NONBLOCKING;
-
-  double integral_mm_s() const CARGOBAY_NONBLOCKING { return integral_mm_s_; }
+  // The command, within +-max_command_mm_s; never against the direction in which the wheel rolls,
+  // since its counter would run backwards.
+  double command(const Wish& wish, const Wheel& wheel) const CARGOBAY_NONBLOCKING;
 
  private:
   Parameters parameters_;
-  double integral_mm_s_ = 0.0;
 };
 
 }  // namespace cargobay::rt

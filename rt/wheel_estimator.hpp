@@ -2,10 +2,10 @@
 //
 // Distance is the mean of the wheels' travel in whole mm, angle their difference over the wheel
 // base in whole degrees; the part below one step is carried to the next reading by some robots and
-// lost by others. Both kinds are estimated side by side, with an AxisFilter for each axis, and the
-// probability that each gave to the readings accumulates as evidence. The two agree when the
-// counters are read seldom and differ when they are read every tick, so both must happen for the
-// kind to show: see rt/read_schedule.hpp.
+// lost by others. Both kinds are estimated side by side, with an AxisFilter for each axis; which
+// kind it is, the counts decide (rt/remainder_judge.hpp), and as long as they are silent, a little
+// of what the filters expected. How the wheels answer a command is learnt by the way
+// (rt/plant_bank.hpp), and the filters predict with what is known of it.
 //
 // Steps by the robot's tick, never by arrival time. One thread; no allocation.
 #pragma once
@@ -15,7 +15,9 @@
 
 #include "rt/axis_filter.hpp"
 #include "rt/nonblocking.hpp"
+#include "rt/plant_bank.hpp"
 #include "rt/remainder.hpp"
+#include "rt/remainder_judge.hpp"
 #include "rt/travel.hpp"
 #include "rt/wheel_speeds.hpp"
 
@@ -26,13 +28,14 @@ class WheelEstimator {
   struct Parameters {
     double wheel_base_mm = 258.0;
     double tick_s = 0.015;
-    double lag_s = 0.100;
+    double likely_lag_s = 0.100;     // of the wheels, before anything is known of them
     double input_delay_s = 0.0025;   // from the tick to the arrival of the command it caused
     double speed_noise_mm_s = 2.0;   // of a wheel, each tick
-    double droop_sd = 0.08;          // how much of a change of command the motors may lose
-    double decision_log_odds = 7.0;  // evidence that settles the kind: about 1000 to 1
+    double decision_log_odds = 5.0;  // evidence that settles the kind for now: 150 to 1
     // Known from the configuration; if empty, the estimator finds out.
     std::optional<Remainder> remainder{};
+    // How the wheels answer, if that is known for certain; if empty, it is learnt.
+    std::optional<PlantEstimate> told{};
   };
 
   // What a frame said about the counters.
@@ -54,8 +57,8 @@ class WheelEstimator {
   void doubt_next_reading() CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
 
   // It is not known from which tick on the present command acts, for example when the robot was
-  // told to stop while no frames arrived. For three lags the readings are no evidence for either
-  // kind.
+  // told to stop while no frames arrived: for three lags, what the filters expect is no evidence
+  // for either kind.
   void doubt_command() CARGOBAY_NONBLOCKING;
 
   // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
@@ -66,9 +69,17 @@ class WheelEstimator {
   void came_after_all(int frames) CARGOBAY_NONBLOCKING { gone_through_ += frames; }
 
   WheelSpeeds speeds() const CARGOBAY_NONBLOCKING;
-  // Travel since the last call, or since reset().
-  Travel take_travel() CARGOBAY_NONBLOCKING;
+  // Travel since the last call, or since reset(), for each kind that the robot may be of.
+  Travels take_travels() CARGOBAY_NONBLOCKING;
   RemainderBelief belief() const CARGOBAY_NONBLOCKING { return belief_; }
+  // What is known of the wheels and their motors.
+  const PlantEstimate& plant() const CARGOBAY_NONBLOCKING { return bank_.estimate(); }
+  // By how much the wheels end up faster than that alone would make them.
+  WheelSpeeds disturbances() const CARGOBAY_NONBLOCKING;
+  // Whether much speaks for it.
+  bool sure() const CARGOBAY_NONBLOCKING;
+  // Whether the counters have read 0 twice in a row.
+  bool rests() const CARGOBAY_NONBLOCKING { return zeros_ >= 2; }
   // Evidence for `carried` over `lost`, natural logarithm of the odds.
   double log_odds_carried() const CARGOBAY_NONBLOCKING { return log_odds_; }
   // Natural logarithm of the probability that the likelier kind of robot gave to all readings that
@@ -80,39 +91,44 @@ class WheelEstimator {
   double speed_sd_mm_s() const CARGOBAY_NONBLOCKING;
 
  private:
-  struct Hypothesis {
-    Remainder remainder = Remainder::carried;
-    AxisFilter distance;
-    AxisFilter turn;
-  };
-  void predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
-  bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
-  void read_unseen() CARGOBAY_NONBLOCKING;
-  void weigh(double log_odds) CARGOBAY_NONBLOCKING;
-  void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
-
-  // Travel and forgotten variance of one hypothesis when they were last taken.
+  // Travel and forgotten variance of a hypothesis when they were last taken.
   struct Taken {
     double distance_mm = 0.0;
     double turn_mm = 0.0;
     double distance_variance = 0.0;
     double turn_variance = 0.0;
   };
-  static Taken total(const Hypothesis& hypothesis) CARGOBAY_NONBLOCKING;
+  struct Hypothesis {
+    Remainder remainder = Remainder::carried;
+    AxisFilter distance;
+    AxisFilter turn;
+    Taken taken{};
+  };
+  void predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
+  WheelSpeeds mix(double (AxisFilter::*value)() const noexcept) const CARGOBAY_NONBLOCKING;
+  bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
+  void read_unseen() CARGOBAY_NONBLOCKING;
+  void weigh(double by_counts, double by_filters) CARGOBAY_NONBLOCKING;
+  void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
+
+  Travel take_travel(Hypothesis& hypothesis) const CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   Hypothesis carried_;
   Hypothesis lost_;
-  Taken carried_taken_{};
-  Taken lost_taken_{};
-  WheelSpeeds sent_{};  // the command that acts at the start of the next tick
+  PlantBank bank_;
+  RemainderJudge judge_{};
+  int zeros_ = 0;           // readings in a row
+  int command_unsure_ = 0;  // ticks left
+  // Evidence for `carried` over `lost`, logarithms of the odds; log_odds_ is the sum.
+  double counts_say_ = 0.0;
+  double filters_say_ = 0.0;
   double log_odds_ = 0.0;
   double carried_weight_ = 0.5;  // the same odds as a probability
   double carried_likelihood_ = 0.0;
   double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;
   int ticks_since_read_ = 0;
-  int command_unsure_ = 0;       // ticks left
   int gone_through_ = 0;         // frames to come whose ticks step_lost() has counted
   bool reading_unsure_ = false;  // a read may have gone unseen: the next one says nothing
 };

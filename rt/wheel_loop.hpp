@@ -51,32 +51,30 @@ class WheelLoop {
   void stop() CARGOBAY_NONBLOCKING;
 
   WheelSpeeds estimate() const CARGOBAY_NONBLOCKING { return estimator_.speeds(); }
-  Travel take_travel() CARGOBAY_NONBLOCKING { return estimator_.take_travel(); }
+  Travels take_travels() CARGOBAY_NONBLOCKING { return estimator_.take_travels(); }
   // The target after the acceleration limit.
-  WheelSpeeds set() const CARGOBAY_NONBLOCKING {
-    return {left_.slew.speed_mm_s(), right_.slew.speed_mm_s()};
-  }
+  WheelSpeeds set() const CARGOBAY_NONBLOCKING { return slew_.speeds(); }
   WheelSpeeds command() const CARGOBAY_NONBLOCKING { return command_; }
   RemainderBelief belief() const CARGOBAY_NONBLOCKING { return estimator_.belief(); }
+  // Whether much speaks for that.
+  bool sure() const CARGOBAY_NONBLOCKING { return estimator_.sure(); }
+  // What is known of the wheels and their motors.
+  const PlantEstimate& plant() const CARGOBAY_NONBLOCKING { return estimator_.plant(); }
   // Call once a tick. Whether the frame of the next tick should read the counters.
   bool next_reads() CARGOBAY_NONBLOCKING;
 
  private:
   enum class Steering : bool { nobody, program };
-  struct Wheel {
-    SlewLimiter slew;
-    VelocityController controller;
-    double step(double target_mm_s, double estimate_mm_s, Steering steering,
-                const Parameters& parameters) CARGOBAY_NONBLOCKING;
-  };
-
   WheelSpeeds step(const WheelSpeeds& target, Steering steering) CARGOBAY_NONBLOCKING;
+  double answer(const VelocityController::Wish& wish, const VelocityController::Wheel& wheel) const
+      CARGOBAY_NONBLOCKING;
+  double proportional() const CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   WheelEstimator estimator_;
   ReadSchedule schedule_;
-  Wheel left_;
-  Wheel right_;
+  SlewLimiter slew_;
+  VelocityController controller_;
   WheelSpeeds command_{};
 };
 

@@ -93,7 +93,7 @@ int compare_estimate(const ReplayOptions& options, const hal::Recording& recordi
   if (options.remainder == "carried") parameters.remainder = rt::Remainder::carried;
   if (options.remainder == "lost") parameters.remainder = rt::Remainder::lost;
   if (options.remainder == "unknown") parameters.remainder.reset();
-  parameters.lag_s = options.lag_s.value_or(parameters.lag_s);
+  parameters.likely_lag_s = options.lag_s.value_or(parameters.likely_lag_s);
   parameters.wheel_base_mm = options.wheel_base_mm.value_or(parameters.wheel_base_mm);
   const hal::EstimateDifference difference = hal::estimate_again(recording, parameters);
   return conclude(options, json(difference),

@@ -68,13 +68,14 @@ constexpr std::array kSettings{
             .range = kLagS,
             .unit = "seconds",
             .not_unit = "not ms",
-            .meaning = "Time a wheel takes to come within 37 % of a new speed",
+            .meaning =
+                "Time a wheel takes to come within 37 % of a new speed, as far as is known; the "
+                "loop finds out",
             .left_out = "0.1",
             .example = "0.1",
             .apply =
                 [](const Config& config, CycleParameters& parameters) {
-                  parameters.loop.estimator.lag_s = *config.lag_s;
-                  parameters.loop.controller.lag_s = *config.lag_s;
+                  parameters.loop.estimator.likely_lag_s = *config.lag_s;
                 }},
     Setting{.table = "robot",
             .key = "acceleration_mm_s2",

@@ -198,7 +198,7 @@ void CyclePass::account(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   if (counting) step_through(account);
   for (const auto& reading : receiver_.readings()) {
     loop_.frame(reading);
-    odometry_.step(loop_.take_travel());
+    odometry_.step(loop_.take_travels(), loop_.belief(), loop_.sure());
   }
   if (silence_.end(ledger_.deadline())) report(EventKind::silence_ended);
 }
@@ -233,9 +233,9 @@ CycleState CyclePass::state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING
           .reading = receiver_.readings()[receiver_.readings().size() - 1],
           .battery_mv = power_.battery().voltage_mv,
           .bumps = bumps_,
-          .pose = odometry_.pose(),
-          .distance_mm = odometry_.distance_mm(),
-          .pose_covariance = odometry_.covariance()};
+          .pose = odometry_.now().pose(),
+          .distance_mm = odometry_.now().distance_mm(),
+          .pose_covariance = odometry_.now().covariance()};
 }
 
 CyclePass::Step CyclePass::answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKING {

@@ -24,8 +24,8 @@
 #include "hal/sensing/power_watch.hpp"
 #include "hal/sensing/sensor_board.hpp"
 #include "hal/stream/byte_stream.hpp"
+#include "rt/both_odometries.hpp"
 #include "rt/histogram.hpp"
-#include "rt/odometry.hpp"
 #include "rt/wheel_loop.hpp"
 
 namespace cargobay::hal {
@@ -89,7 +89,7 @@ class CyclePass {
   CycleCounters counters_{};
   TickLedger ledger_;
   rt::WheelLoop loop_;
-  rt::Odometry odometry_;
+  rt::BothOdometries odometry_;
   CommandSender sender_;
   Setpoint setpoint_;
   Silence silence_;

@@ -45,7 +45,6 @@ class LoopChannel final : public Channel {
   Result<void> run_slice(const std::atomic<bool>& stop) override {
     ControlCycle::Parameters parameters;
     parameters.loop.estimator.tick_s = rt::seconds(settings_.period);
-    parameters.loop.controller.tick_s = rt::seconds(settings_.period);
     parameters.late_margin = settings_.period / 3;
     stream_->discard_input();
     Stamps stamps;

@@ -38,14 +38,15 @@ class HeaderFields {
     all(it, it.estimator, it.controller, it.schedule, it.limits, it.feedback);
   }
   void operator()(rt::WheelEstimator::Parameters& it) {
-    all(it, it.wheel_base_mm, it.tick_s, it.lag_s, it.input_delay_s, it.speed_noise_mm_s,
-        it.droop_sd, it.decision_log_odds, it.remainder);
+    all(it, it.wheel_base_mm, it.tick_s, it.likely_lag_s, it.input_delay_s, it.speed_noise_mm_s,
+        it.decision_log_odds, it.remainder, it.told);
   }
   void operator()(rt::VelocityController::Parameters& it) {
-    all(it, it.lag_s, it.proportional, it.integral_per_s, it.max_command_mm_s, it.tick_s);
+    all(it, it.max_command_mm_s, it.overshoot_share, it.overshoot_mm_s);
   }
   void operator()(rt::ReadSchedule::Parameters& it) {
     all(it, it.window_ticks, it.least_window_ticks, it.probe_window_ticks, it.probe_reads,
+        it.probe_steady_ticks, it.probe_moving_ticks, it.probe_most_ticks, it.recheck_unsure_ticks,
         it.recheck_carried_ticks, it.recheck_lost_ticks);
   }
   void operator()(rt::SlewLimiter::Limits& it) { all(it, it.acceleration_mm_s2, it.jerk_mm_s3); }
@@ -79,6 +80,17 @@ class HeaderFields {
     io_.up_to(index, static_cast<int>(rt::Remainder::lost) + 1);
     if (index > 0) value = static_cast<rt::Remainder>(index - 1);
   }
+  void operator()(rt::PlantEstimate& it) {
+    all(it, it.lag_s, it.dead_time_s, it.ramp_s2_mm, it.gain_left, it.gain_right, it.lag_sd_s,
+        it.gain_sd);
+  }
+  void operator()(std::optional<rt::PlantEstimate>& value) {
+    int known = value ? 1 : 0;
+    io_.up_to(known, 1);
+    if (known == 0) return;
+    if (!value) value.emplace();
+    (*this)(*value);
+  }
   void operator()(std::string& text) {
     auto size = static_cast<std::uint16_t>(std::min(text.size(), kMostTextBytes));
     io_.raw(size);
@@ -106,9 +118,9 @@ class HeaderFields {
 bool sensible(const RecordingHeader& header) {
   const rt::WheelLoop::Parameters& loop = header.parameters.loop;
   return header.baud >= 300 && header.baud <= 1'000'000 && loop.estimator.wheel_base_mm > 0.0 &&
-         loop.estimator.tick_s > 0.0 && loop.estimator.lag_s > 0.0 &&
-         loop.controller.tick_s > 0.0 && loop.limits.acceleration_mm_s2 > 0.0 &&
-         loop.limits.jerk_mm_s3 >= 0.0 &&
+         loop.estimator.tick_s > 0.0 && loop.estimator.likely_lag_s > 0.0 &&
+         (!loop.estimator.told || loop.estimator.told->lag_s > 0.0) &&
+         loop.limits.acceleration_mm_s2 > 0.0 && loop.limits.jerk_mm_s3 >= 0.0 &&
          loop.schedule.least_window_ticks <= loop.schedule.window_ticks;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "oi/limits.hpp"
 #include "rt/wheel_loop.hpp"
@@ -11,6 +12,7 @@ namespace cargobay::hal {
 namespace {
 
 constexpr double kTickSeconds = rt::seconds(oi::kTick);
+
 constexpr double kLeastLag = 0.02;  // seconds
 constexpr double kMostLag = 0.5;
 
@@ -47,7 +49,8 @@ void Calibration::see(const CycleState& state) {
   ticks_.push_back({.number = state.tick, .command = state.command, .reading = state.reading});
 }
 
-double Calibration::estimate(const rt::WheelEstimator::Parameters& parameters, Ways* ways) const {
+Calibration::Estimate Calibration::estimate(const rt::WheelEstimator::Parameters& parameters,
+                                            Ways* ways) const {
   rt::WheelEstimator estimator{parameters};
   rt::WheelSpeeds command;
   Way way;
@@ -55,23 +58,25 @@ double Calibration::estimate(const rt::WheelEstimator::Parameters& parameters, W
   for (const Tick& tick : ticks_) {
     for (; last + 1 < tick.number; ++last) estimator.step_lost(command, true);
     estimator.step(command, tick.reading);
-    const rt::Travel travel = estimator.take_travel();
+    const rt::Travels travels = estimator.take_travels();
+    const bool lost = parameters.remainder == rt::Remainder::lost;
+    const rt::Travel& travel = lost ? travels.if_lost : travels.if_carried;
     way.distance_mm += travel.distance_mm;
     way.turn_rad += travel.turn_rad;
     if (ways != nullptr) ways->push_back(way);
     command = tick.command;
     last = tick.number;
   }
-  return estimator.log_likelihood();
+  return {.log_likelihood = estimator.log_likelihood(), .plant = estimator.plant()};
 }
 
-// By golden-section search: the likelihood has a single maximum.
+// By golden-section search: with all else fixed, the likelihood has a single maximum.
 double Calibration::likeliest_lag(rt::WheelEstimator::Parameters parameters) const {
   constexpr int kSteps = 16;  // to 0.2 ms
   constexpr double kSection = 1.0 / std::numbers::phi;
   const auto likelihood = [&](double lag_s) {
-    parameters.lag_s = lag_s;
-    return estimate(parameters, nullptr);
+    parameters.told->lag_s = lag_s;
+    return estimate(parameters, nullptr).log_likelihood;
   };
   double low = kLeastLag;
   double high = kMostLag;
@@ -95,6 +100,29 @@ double Calibration::likeliest_lag(rt::WheelEstimator::Parameters parameters) con
     }
   }
   return (low + high) / 2.0;
+}
+
+// The lag, beside whichever dead time and ramp go with it: one after the other, from none.
+double Calibration::lag_of(rt::WheelEstimator::Parameters parameters,
+                           const rt::PlantEstimate& plant) const {
+  parameters.told = rt::PlantEstimate{.gain_left = plant.gain_left, .gain_right = plant.gain_right};
+  parameters.told->lag_s = likeliest_lag(parameters);
+  const auto choose = [&](double rt::PlantEstimate::* member, std::span<const double> values) {
+    double most = -1e300;
+    double best = 0.0;
+    for (const double value : values) {
+      (*parameters.told).*member = value;
+      const double likelihood = estimate(parameters, nullptr).log_likelihood;
+      if (likelihood <= most) continue;
+      most = likelihood;
+      best = value;
+    }
+    (*parameters.told).*member = best;
+  };
+  choose(&rt::PlantEstimate::dead_time_s, std::array{0.0, 0.015, 0.030, 0.045, 0.060, 0.075});
+  choose(&rt::PlantEstimate::ramp_s2_mm,
+         std::array{0.0, 1.0 / 1500.0, 1.0 / 1000.0, 1.0 / 600.0, 1.0 / 400.0, 1.0 / 275.0});
+  return likeliest_lag(parameters);
 }
 
 Calibration::Way Calibration::between(const Ways& ways, double from_s, double to_s) const {
@@ -163,22 +191,23 @@ Result<CalibrationResult> Calibration::result(double delay_s) const {
   // The wheel base converts degrees to millimetres, and so affects the rest.
   for (int round = 0; round < 2; ++round) {
     double most = -1e300;
+    rt::PlantEstimate plant;
     for (const rt::Remainder kind : {rt::Remainder::carried, rt::Remainder::lost}) {
       rt::WheelEstimator::Parameters candidate = parameters;
       candidate.remainder = kind;
-      candidate.lag_s = likeliest_lag(candidate);
-      const double likelihood = estimate(candidate, nullptr);
-      if (likelihood <= most) continue;
-      most = likelihood;
+      const Estimate found = estimate(candidate, nullptr);
+      if (found.log_likelihood <= most) continue;
+      most = found.log_likelihood;
       parameters = candidate;
+      plant = found.plant;
     }
+    result.lag_s = lag_of(parameters, plant);
     Ways ways;
     (void)estimate(parameters, &ways);
     if (const auto done = measure_wheel_base(ways, result); !done) return done.failure();
     if (const auto done = measure_gain(ways, result); !done) return done.failure();
     parameters.wheel_base_mm = result.wheel_base_mm;
   }
-  result.lag_s = parameters.lag_s;
   result.remainder = parameters.remainder == rt::Remainder::carried ? rt::RemainderBelief::carried
                                                                     : rt::RemainderBelief::lost;
   return result;

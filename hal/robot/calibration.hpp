@@ -46,8 +46,9 @@ class Calibration {
   // Call with each state of the drive, in order; from one thread.
   void see(const CycleState& state);
   // Fails if the robot did not do what it was told, saying what to look at. `delay_s` is that of
-  // the parameters' estimator. Takes some tenths of a second: finds the lag and the kind of
-  // remainder that make the robot's readings most likely (rt/wheel_estimator.hpp).
+  // the parameters' estimator. Takes some tenths of a second: finds the kind of remainder that
+  // makes the robot's readings most likely (rt/wheel_estimator.hpp), learns the plant, and then
+  // the lag more exactly.
   Result<CalibrationResult> result(double delay_s) const;
 
  private:
@@ -72,11 +73,16 @@ class Calibration {
   };
   using Ways = std::vector<Way>;
 
-  // Estimates the drive with these parameters. Returns the log-likelihood of its readings; stores
-  // the travel in `ways` unless null.
-  double estimate(const rt::WheelEstimator::Parameters& parameters, Ways* ways) const;
-  // The lag, from kLeastLag to kMostLag, with which they are most likely.
+  struct Estimate {
+    double log_likelihood = 0.0;  // of the readings
+    rt::PlantEstimate plant{};
+  };
+
+  // Estimates the drive with these parameters; stores the travel in `ways` unless null.
+  Estimate estimate(const rt::WheelEstimator::Parameters& parameters, Ways* ways) const;
+  // The lag, from kLeastLag to kMostLag, with which they are most likely if all else is as `told`.
   double likeliest_lag(rt::WheelEstimator::Parameters parameters) const;
+  double lag_of(rt::WheelEstimator::Parameters parameters, const rt::PlantEstimate& plant) const;
   // Travel between two instants of the pattern.
   Way between(const Ways& ways, double from_s, double to_s) const;
   static double begin_of(std::size_t leg) CARGOBAY_NONBLOCKING;

@@ -48,7 +48,8 @@ void controller_step(benchmark::State& state) {
   double estimate_mm_s = 190.0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(estimate_mm_s);
-    benchmark::DoNotOptimize(controller.step(200.0, 0.0, estimate_mm_s));
+    benchmark::DoNotOptimize(
+        controller.command({200.0, 0.0, 200.0}, {.speed_mm_s = estimate_mm_s}));
   }
 }
 BENCHMARK(controller_step);

@@ -104,7 +104,7 @@ std::vector<Setting> file_keys() {
                                             "guard_deadline_ns"};
     return kNot.contains(key.name);
   });
-  keys.push_back({"lag_s", kLagS, kCycle.loop.estimator.lag_s});
+  keys.push_back({"lag_s", kLagS, kCycle.loop.estimator.likely_lag_s});
   const auto [slowest, fastest] = std::ranges::minmax(oi::kCreate.baud_rates);
   keys.front().range = Range{static_cast<double>(slowest), static_cast<double>(fastest)};
   return keys;

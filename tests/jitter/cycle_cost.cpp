@@ -29,7 +29,7 @@
 #include "oi/encode.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_decoder.hpp"
-#include "rt/odometry.hpp"
+#include "rt/both_odometries.hpp"
 #include "rt/wheel_loop.hpp"
 #include "tests/jitter/memory_stream.hpp"
 
@@ -177,13 +177,13 @@ void decode(const Readings& readings) {
 // Estimator with its odometry, read schedule, acceleration limit and controller.
 void loop(const Readings& readings) {
   rt::WheelLoop wheels{{}};
-  rt::Odometry odometry{{}};
+  rt::BothOdometries odometry{{}};
   double sum = 0.0;
   measured(readings.size(), [&] {
     for (const auto& reading : readings) {
       wheels.frame(reading);
-      odometry.step(wheels.take_travel());
-      sum += odometry.covariance().xx;
+      odometry.step(wheels.take_travels(), wheels.belief(), wheels.sure());
+      sum += odometry.now().covariance().xx;
       sum += wheels.estimate().left_mm_s + wheels.control(kTarget).left_mm_s;
       (void)wheels.next_reads();
     }

@@ -81,10 +81,16 @@ TEST(Travel, AddsUpToTheWayOfEitherKind) {
     double turn_rad = 0.0;
     const WheelSpeeds command{180.0, 220.0};
     const int window = remainder == Remainder::carried ? 1 : 40;
+    for (int tick = 0; tick < 2; ++tick) {  // the first reading at rest says nothing
+      plant.tick({});
+      estimator.step({}, plant.read());
+    }
     for (int tick = 1; tick <= 2000; ++tick) {
       plant.tick(command);
       estimator.step(command, tick % window == 0 ? std::optional{plant.read()} : std::nullopt);
-      const Travel travel = estimator.take_travel();
+      const Travels travels = estimator.take_travels();
+      const bool is_carried = remainder == Remainder::carried;
+      const Travel& travel = is_carried ? travels.if_carried : travels.if_lost;
       distance_mm += travel.distance_mm;
       turn_rad += travel.turn_rad;
     }

@@ -10,10 +10,15 @@ namespace {
 
 using Motion = ReadSchedule::Motion;
 
+enum class Sure : bool { no, yes };
+
 // `count` ticks as a picture: R reads the counters, a dot does not.
-std::string ticks(ReadSchedule& schedule, int count, RemainderBelief belief, Motion motion) {
+std::string ticks(ReadSchedule& schedule, int count, RemainderBelief belief, Motion motion,
+                  Sure sure = Sure::yes) {
   std::string picture;
-  for (int i = 0; i < count; ++i) picture += schedule.next_reads(belief, motion) ? 'R' : '.';
+  for (int i = 0; i < count; ++i) {
+    picture += schedule.next_reads(belief, sure == Sure::yes, motion) ? 'R' : '.';
+  }
   return picture;
 }
 std::string repeated(const std::string& text, int times) {
@@ -26,6 +31,27 @@ std::string window(int length) {
 }
 std::string reads(int count) { return std::string(static_cast<std::size_t>(count), 'R'); }
 
+// How often a whole series of single readings is in it.
+int rows_in(const std::string& picture) {
+  int rows = 0;
+  for (std::size_t at = picture.find(reads(8)); at != std::string::npos;
+       at = picture.find(reads(8), at + 8)) {
+    ++rows;
+  }
+  return rows;
+}
+// The longest window in it, ticks.
+int widest_in(const std::string& picture) {
+  int widest = 0;
+  int now = 0;
+  for (const char tick : picture) {
+    ++now;
+    widest = std::max(widest, now);
+    if (tick == 'R') now = 0;
+  }
+  return widest;
+}
+
 constexpr auto kUnknown = RemainderBelief::unknown;
 constexpr auto kCarried = RemainderBelief::carried;
 constexpr auto kLost = RemainderBelief::lost;
@@ -37,62 +63,96 @@ TEST(ReadSchedule, ReadsEveryTickAtRest) {
   }
 }
 
+// A window ends in a reading of its own, from which the single ones count.
 TEST(ReadSchedule, DoesBothInTurnWhileTheKindIsNotKnown) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 3 * 22, kUnknown, Motion::steady), repeated(reads(12) + window(10), 3));
+  EXPECT_EQ(ticks(schedule, 3 * 16, kUnknown, Motion::steady), repeated(window(8) + reads(8), 3));
 }
 
-TEST(ReadSchedule, BeginsAnewWithEachMotion) {
+// Until the speed is steady, or the robot has moved for long enough, the evidence would be poor.
+TEST(ReadSchedule, KeepsToWindowsUntilTheKindCanBeSeen) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 17, kUnknown, Motion::steady), reads(12) + ".....");
+  EXPECT_EQ(ticks(schedule, 10, kUnknown, Motion::changing), window(8) + "..");
+  EXPECT_EQ(ticks(schedule, 3, kUnknown, Motion::steady), "...") << "not steady for long enough";
+  EXPECT_EQ(ticks(schedule, 3 + 8 + 8, kUnknown, Motion::steady), "..R" + reads(8) + window(8));
+  ReadSchedule restless{{}};
+  EXPECT_EQ(ticks(restless, 19, kUnknown, Motion::changing), window(8) + window(8) + "...");
+  EXPECT_EQ(ticks(restless, 5 + 8 + 8, kUnknown, Motion::changing),
+            window(5) + reads(8) + window(8));
+}
+
+TEST(ReadSchedule, BeginsAgainWithEachMotion) {
+  ReadSchedule schedule{{}};
+  EXPECT_EQ(ticks(schedule, 13, kUnknown, Motion::steady), window(8) + reads(5));
   EXPECT_EQ(ticks(schedule, 3, kUnknown, Motion::none), reads(3));
-  EXPECT_EQ(ticks(schedule, 22, kUnknown, Motion::steady), reads(12) + window(10));
+  EXPECT_EQ(ticks(schedule, 16, kUnknown, Motion::steady), window(8) + reads(8));
 }
 
 TEST(ReadSchedule, ReadsEveryTickWhereTheRemainderIsCarried) {
   ReadSchedule schedule{{}};
   EXPECT_EQ(ticks(schedule, 199, kCarried, Motion::steady), reads(199));
+  ReadSchedule restless{{}};
+  EXPECT_EQ(ticks(restless, 199, kCarried, Motion::changing), reads(199));
 }
 
+// A window, single readings, a window: what the judge of the kind needs.
 TEST(ReadSchedule, TriesNowAndThenWhetherItIsStillCarried) {
   ReadSchedule schedule{{}};
-  const std::string period = reads(199) + reads(12) + window(10) + 'R';
-  EXPECT_EQ(ticks(schedule, 222 * 3, kCarried, Motion::steady), repeated(period, 3));
+  const std::string period = reads(199) + window(8) + reads(8) + window(8) + 'R';
+  EXPECT_EQ(ticks(schedule, 3 * 224, kCarried, Motion::steady), repeated(period, 3));
+}
+
+TEST(ReadSchedule, TriesMoreOftenWhatLittleSpeaksFor) {
+  ReadSchedule schedule{{}};
+  const std::string period = reads(59) + window(8) + reads(8) + window(8) + 'R';
+  EXPECT_EQ(ticks(schedule, 3 * 84, kCarried, Motion::steady, Sure::no), repeated(period, 3));
+  ReadSchedule of_lost{{}};
+  const std::string picture = ticks(of_lost, 840, kLost, Motion::steady, Sure::no);
+  EXPECT_GE(rows_in(picture), 7);
+}
+
+// Time at rest neither brings a check closer nor is one made of it.
+TEST(ReadSchedule, CountsOnlyTicksOfMotion) {
+  ReadSchedule schedule{{}};
+  EXPECT_EQ(ticks(schedule, 150, kCarried, Motion::steady), reads(150));
+  EXPECT_EQ(ticks(schedule, 1000, kCarried, Motion::none), reads(1000));
+  EXPECT_EQ(ticks(schedule, 49 + 8, kCarried, Motion::steady), reads(49) + window(8));
 }
 
 TEST(ReadSchedule, WidensTheWindowOnceTheSpeedIsSteady) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 130, kLost, Motion::steady), window(10) + repeated(window(40), 3));
+  EXPECT_EQ(ticks(schedule, 12, kLost, Motion::steady), window(6) + window(6));
+  const std::string picture = ticks(schedule, 240, kLost, Motion::steady);
+  EXPECT_NE(picture.find(window(40) + window(40) + window(40)), std::string::npos) << picture;
+  EXPECT_EQ(widest_in(picture), 40);
 }
 
 TEST(ReadSchedule, ReadsSoonAfterAChangeOfSpeed) {
   ReadSchedule schedule{{}};
-  (void)ticks(schedule, 50 + 25, kLost, Motion::steady);
-  EXPECT_EQ(ticks(schedule, 11, kLost, Motion::changing), "R" + window(10))
+  std::string picture = ticks(schedule, 300, kLost, Motion::steady);
+  while (picture.substr(picture.size() - 10) != std::string(10, '.')) {
+    picture += ticks(schedule, 1, kLost, Motion::steady);
+  }
+  EXPECT_EQ(ticks(schedule, 7, kLost, Motion::changing), "R" + window(6))
       << "what was travelled before the change is read at once";
-  EXPECT_EQ(ticks(schedule, 50, kLost, Motion::steady), window(10) + window(40));
+  EXPECT_EQ(ticks(schedule, 12, kLost, Motion::steady), window(6) + window(6));
 }
 
 TEST(ReadSchedule, KeepsWindowsShortWhileTheSpeedChanges) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 200, kLost, Motion::changing), repeated(window(10), 20));
+  EXPECT_EQ(ticks(schedule, 198, kLost, Motion::changing), repeated(window(6), 33));
 }
 
 TEST(ReadSchedule, SeldomTriesWhetherItIsStillLost) {
   ReadSchedule schedule{{}};
-  const std::string picture = ticks(schedule, 10'220, kLost, Motion::steady);
-  int rows = 0;
-  for (std::size_t at = picture.find(reads(12)); at != std::string::npos;
-       at = picture.find(reads(12), at + 12)) {
-    ++rows;
-  }
-  EXPECT_EQ(rows, 10);
-  EXPECT_LE(std::count(picture.begin(), picture.end(), 'R'), 10 * (1022 / 40 + 12 + 3));
+  const std::string picture = ticks(schedule, 10'240, kLost, Motion::steady);
+  EXPECT_EQ(rows_in(picture), 10);
+  EXPECT_LE(std::count(picture.begin(), picture.end(), 'R'), 10 * (1024 / 40 + 8 + 3));
 }
 
 TEST(ReadSchedule, TakesItsLengthsFromItsParameters) {
-  ReadSchedule schedule{{.probe_window_ticks = 3, .probe_reads = 2}};
-  EXPECT_EQ(ticks(schedule, 10, kUnknown, Motion::steady), "RR..RRR..R");
+  ReadSchedule schedule{{.probe_window_ticks = 3, .probe_reads = 2, .probe_steady_ticks = 1}};
+  EXPECT_EQ(ticks(schedule, 10, kUnknown, Motion::steady), "..RRR..RRR");
 }
 
 }  // namespace

@@ -110,8 +110,24 @@ TEST(WheelLoop, LimitsTheAcceleration) {
   }
 }
 
-// What the integral learnt going forward is wrong going back.
-TEST(WheelLoop, DoesNotCarryTheIntegralThroughAReversal) {
+// A set speed just within reach, with a gain that is not: a minute of it must not be felt later.
+TEST(WheelLoop, DoesNotWindUpAtTheLimit) {
+  for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
+    for (const double sign : {1.0, -1.0}) {
+      ClosedLoop closed{
+          {.remainder = remainder, .gain_left = 0.9, .gain_right = 0.9, .noise_mm_s = 0.0}};
+      closed.run({sign * 480.0, sign * 480.0}, 4000);
+      EXPECT_EQ(closed.command().left_mm_s, sign * 500.0);
+      EXPECT_NEAR(closed.plant().truth().left_mm_s, sign * 450.0, 0.1);
+      closed.run({sign * 300.0, sign * 300.0}, 67);  // 1 s
+      EXPECT_NEAR(closed.plant().truth().left_mm_s, sign * 300.0, 10.0);
+      EXPECT_NEAR(closed.plant().truth().right_mm_s, sign * 300.0, 10.0);
+    }
+  }
+}
+
+// What was learnt going forward must not spoil the way back.
+TEST(WheelLoop, SettlesSoonAfterAReversal) {
   ClosedLoop closed{{.noise_mm_s = 0.0}};
   closed.run({300, 300}, 300);
   double worst = 0.0;

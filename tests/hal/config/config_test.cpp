@@ -74,8 +74,7 @@ require = true
   CycleParameters parameters;
   apply(config, parameters);
   EXPECT_EQ(parameters.loop.estimator.wheel_base_mm, 260.0);
-  EXPECT_EQ(parameters.loop.estimator.lag_s, 0.12);
-  EXPECT_EQ(parameters.loop.controller.lag_s, 0.12);
+  EXPECT_EQ(parameters.loop.estimator.likely_lag_s, 0.12);
   EXPECT_EQ(parameters.odometry.distance_scale, 1.02);
   EXPECT_EQ(parameters.odometry.turn_scale, 0.98);
   EXPECT_EQ(parameters.loop.estimator.remainder, rt::Remainder::lost);

@@ -171,6 +171,10 @@ TEST(ControlCycle, StopsTheWheelsInSilenceAndGoesOnBehindIt) {
   EXPECT_LT(result.ticks[behind].state.set.left_mm_s, 50.0);
 }
 
+// Of the estimate while the wheels start for the first time and nothing is known of them yet. An
+// estimate that a silence made up is off by up to 190 mm/s.
+constexpr double kWorstError = 45.0;
+
 double worst_error(const DriveResult& result) {
   double worst = 0.0;
   for (const test::Tick& tick : result.ticks) {
@@ -191,7 +195,7 @@ TEST(ControlCycle, PublishesNoEstimateThatASilenceMadeUp) {
     EXPECT_EQ(result.end, CycleEnd::asked);
     EXPECT_EQ(result.frames.good, 401U) << silent << ": one of them unanswered";
     EXPECT_EQ(result.frames.lost, static_cast<std::uint64_t>(silent)) << silent;
-    EXPECT_LT(worst_error(result), 30.0) << silent;
+    EXPECT_LT(worst_error(result), kWorstError) << silent;
   }
 }
 
@@ -209,7 +213,7 @@ TEST(ControlCycle, DoesNotTakeATickForAWindow) {
   const DriveResult result = drive.run(800, forward);
   EXPECT_TRUE(dropped);
   EXPECT_EQ(result.frames.lost, 1U);
-  EXPECT_LT(worst_error(result), 30.0);
+  EXPECT_LT(worst_error(result), kWorstError);
 }
 
 void hear(sim::Device& device, const std::vector<std::uint8_t>& bytes) {
@@ -234,7 +238,7 @@ TEST(ControlCycle, TellsARobotThatMisheardItsListAgain) {
     EXPECT_TRUE(is_streamed(FrameList::reading) || is_streamed(FrameList::hazards) ||
                 is_streamed(FrameList::battery))
         << int{other};
-    EXPECT_LT(worst_error(result), 30.0) << int{other};
+    EXPECT_LT(worst_error(result), kWorstError) << int{other};
   }
 }
 

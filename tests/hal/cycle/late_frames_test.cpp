@@ -259,6 +259,7 @@ class BusyMachine {
 
 struct Misled {
   int believed_wrong = 0;  // drives
+  int not_known = 0;       // the same: what kind of robot it is
   int shared_ticks = 0;    // drives with two commands in one
   double steady_error_mm_s = 0.0;
 };
@@ -282,7 +283,9 @@ Misled mislead(sim::Remainder remainder) {
                  .control_takes = [&] { return machine.control_takes(); }});
       EXPECT_EQ(run.end, CycleEnd::asked) << seed;
       misled.shared_ticks += most_commands_in_a_tick(run) > 1;
-      misled.believed_wrong += run.states.back().remainder != truth;
+      const rt::RemainderBelief belief = run.states.back().remainder;
+      misled.not_known += belief == rt::RemainderBelief::unknown;
+      misled.believed_wrong += belief != truth && belief != rt::RemainderBelief::unknown;
       const double left = std::abs(run.truth.left_mm_s - target.left_mm_s);
       const double right = std::abs(run.truth.right_mm_s - target.right_mm_s);
       misled.steady_error_mm_s = std::max({misled.steady_error_mm_s, left, right});
@@ -290,25 +293,29 @@ Misled mislead(sim::Remainder remainder) {
     }
   }
   std::printf(
-      "%d drives: %d believed wrong, %d with two commands in a tick, steady error up to %.2f "
-      "mm/s\n",
-      drives, misled.believed_wrong, misled.shared_ticks, misled.steady_error_mm_s);
+      "%d drives: %d believed wrong, %d not known, %d with two commands in a tick, steady error up "
+      "to %.2f mm/s\n",
+      drives, misled.believed_wrong, misled.not_known, misled.shared_ticks,
+      misled.steady_error_mm_s);
   return misled;
 }
 
-// Assuming that a robot loses the remainder is safe: it is read less often.
+// As long as the kind is not known, robots are read in long windows, which is safe for both. At
+// 200 mm/s, 3.0 steps a tick, it does not show in the counts.
 TEST(LateFrames, DoNotMisleadTheLoopWhereTheRemainderIsCarried) {
   const Misled misled = mislead(sim::Remainder::carried);
-  EXPECT_LE(misled.believed_wrong, 7);
+  EXPECT_LE(misled.believed_wrong, 2);
+  EXPECT_LE(misled.not_known, 30);
   EXPECT_LE(misled.shared_ticks, 5);
-  EXPECT_LE(misled.steady_error_mm_s, 5.0);
+  EXPECT_LE(misled.steady_error_mm_s, 9.0);
 }
 
 TEST(LateFrames, DoNotMisleadTheLoopWhereTheRemainderIsLost) {
   const Misled misled = mislead(sim::Remainder::lost);
-  EXPECT_LE(misled.believed_wrong, 2);
+  EXPECT_LE(misled.believed_wrong, 4);
+  EXPECT_LE(misled.not_known, 30);
   EXPECT_LE(misled.shared_ticks, 5);
-  EXPECT_LE(misled.steady_error_mm_s, 10.0);
+  EXPECT_LE(misled.steady_error_mm_s, 12.0);
 }
 
 TEST(LateFrames, AreCountedOnceEach) {

@@ -135,7 +135,7 @@ TEST(ModeLossCause, IsNoneWhereNoSensorSays) {
 TEST(ModeLossCause, IsACliffThatOnlyOneFrameSaw) {
   VirtualDrive drive{sim::Parameters{.remainder = sim::Remainder::lost}};
   drive.device.surroundings = [&](sim::Device& device, sim::Inputs& seen) {
-    static constexpr std::uint64_t kTick = 500;  // windows: nearly all frames report hazards
+    static constexpr std::uint64_t kTick = 505;  // windows: nearly all frames report hazards
     if (device.ticks() == kTick) seen.cliff_right.cliff = true;
   };
   const DriveResult result = drive.run(1000, forward);

@@ -54,18 +54,18 @@ TEST(EstimateAgain, IsNearlyTheSameOnADisturbedLine) {
   };
   drive.run(2000);
   const EstimateDifference near = again(drive, drive.header.parameters.loop.estimator);
-  EXPECT_LT(near.rms.left_mm_s, 5.0);
-  EXPECT_LT(near.rms.right_mm_s, 5.0);
+  EXPECT_LT(near.rms.left_mm_s, 10.0);
+  EXPECT_LT(near.rms.right_mm_s, 10.0);
 }
 
 TEST(EstimateAgain, TellsHowMuchAParameterMatters) {
   RecordedDrive drive;
   drive.run(2000);
   auto parameters = drive.header.parameters.loop.estimator;
-  parameters.lag_s *= 1.5;
-  const EstimateDifference lag = again(drive, parameters);
-  EXPECT_GT(lag.rms.left_mm_s, 0.5);
-  EXPECT_GE(lag.most.left_mm_s, lag.rms.left_mm_s);
+  parameters.wheel_base_mm *= 1.1;
+  const EstimateDifference base = again(drive, parameters);
+  EXPECT_GT(base.rms.left_mm_s, 0.5);
+  EXPECT_GE(base.most.left_mm_s, base.rms.left_mm_s);
   parameters = drive.header.parameters.loop.estimator;
   parameters.remainder = rt::Remainder::lost;
   const EstimateDifference lost = again(drive, parameters);

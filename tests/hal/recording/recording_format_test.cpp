@@ -32,21 +32,29 @@ RecordingHeader every_parameter() {
       .parameters = {
           .loop = {.estimator = {.wheel_base_mm = 257.5,
                                  .tick_s = 0.0151,
-                                 .lag_s = 0.101,
+                                 .likely_lag_s = 0.101,
                                  .input_delay_s = 0.0026,
                                  .speed_noise_mm_s = 2.1,
-                                 .droop_sd = 0.081,
                                  .decision_log_odds = 7.1,
-                                 .remainder = rt::Remainder::lost},
-                   .controller = {.lag_s = 0.102,
-                                  .proportional = 0.31,
-                                  .integral_per_s = 4.1,
-                                  .max_command_mm_s = 499.0,
-                                  .tick_s = 0.0152},
+                                 .remainder = rt::Remainder::lost,
+                                 .told = rt::PlantEstimate{.lag_s = 0.102,
+                                                           .dead_time_s = 0.03,
+                                                           .ramp_s2_mm = 0.004,
+                                                           .gain_left = 0.91,
+                                                           .gain_right = 0.93,
+                                                           .lag_sd_s = 0.011,
+                                                           .gain_sd = 0.012}},
+                   .controller = {.max_command_mm_s = 499.0,
+                                  .overshoot_share = 0.061,
+                                  .overshoot_mm_s = 10.1},
                    .schedule = {.window_ticks = 41,
                                 .least_window_ticks = 11,
                                 .probe_window_ticks = 12,
                                 .probe_reads = 13,
+                                .probe_steady_ticks = 5,
+                                .probe_moving_ticks = 21,
+                                .probe_most_ticks = 121,
+                                .recheck_unsure_ticks = 61,
                                 .recheck_carried_ticks = 201,
                                 .recheck_lost_ticks = 1001},
                    .limits = {.acceleration_mm_s2 = 999.0, .jerk_mm_s3 = 5000.0},
@@ -107,17 +115,18 @@ Bytes every_kind() {
 
 // What version 1 has for these, since its first writer.
 constexpr std::string_view kEveryKind =
-    "434252450d0a1a0a0100f8000000004b00000100b49376e2fa180e00636172676f62617920312e322e330a00"
+    "434252450d0a1a0a020029010000004b00000100b49376e2fa180e00636172676f62617920312e322e330a00"
     "746f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcc"
-    "cccccccc004023dbf97e6abcb43f6666666666661c4002e9263108ac1cba3fd7a3703d0ad7d33f6666666666"
-    "6610400000000000307f40c58f31772d218f3f290000000b0000000c0000000d000000c9000000e903000000"
-    "00000000388f40000000000088b3400103284f4c0000000000c013000900000000400caa3b0000000040a7dc"
-    "1d0000000068881e0000000000090000000191330000e9350000295c8fc2f528bc3f7b14ae47e17ac43f13de"
-    "0060060000000000000000000000000000000280d0acf30e1d78e9088a0000000100000000286bee00000000"
-    "0101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c0000000000000"
-    "0c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff000000000000008059f3f8c21f6e"
-    "a501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f00000000000059400000"
-    "0000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
+    "cccccccc00406666666666661c400201e9263108ac1cba3fb81e85eb51b89e3ffca9f1d24d62703f1f85eb51"
+    "b81eed3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f0000000000307f4008ac1c5a643baf3f"
+    "3333333333332440290000000b0000000c0000000d0000000500000015000000790000003d000000c9000000"
+    "e90300000000000000388f40000000000088b3400103284f4c0000000000c013000900000000400caa3b0000"
+    "000040a7dc1d0000000068881e0000000000090000000191330000e9350000295c8fc2f528bc3f7b14ae47e1"
+    "7ac43f7c3e7d98060000000000000000000000000000000280d0acf30e1d78e9088a0000000100000000286b"
+    "ee000000000101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c000"
+    "00000000000c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff000000000000008059"
+    "f3f8c21f6ea501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f0000000000"
+    "00594000000000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
 
 Bytes bytes_of(std::string_view hex) {
   Bytes bytes;
@@ -144,24 +153,37 @@ void expect_same(const CycleParameters& a, const CycleParameters& b) {
   EXPECT_EQ(a.power.recovered_part, b.power.recovered_part);
 }
 
+void expect_same(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
+  EXPECT_EQ(a.lag_s, b.lag_s);
+  EXPECT_EQ(a.dead_time_s, b.dead_time_s);
+  EXPECT_EQ(a.ramp_s2_mm, b.ramp_s2_mm);
+  EXPECT_EQ(a.gain_left, b.gain_left);
+  EXPECT_EQ(a.gain_right, b.gain_right);
+  EXPECT_EQ(a.lag_sd_s, b.lag_sd_s);
+  EXPECT_EQ(a.gain_sd, b.gain_sd);
+}
+
 void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parameters& b) {
   EXPECT_EQ(a.estimator.wheel_base_mm, b.estimator.wheel_base_mm);
   EXPECT_EQ(a.estimator.tick_s, b.estimator.tick_s);
-  EXPECT_EQ(a.estimator.lag_s, b.estimator.lag_s);
+  EXPECT_EQ(a.estimator.likely_lag_s, b.estimator.likely_lag_s);
   EXPECT_EQ(a.estimator.input_delay_s, b.estimator.input_delay_s);
   EXPECT_EQ(a.estimator.speed_noise_mm_s, b.estimator.speed_noise_mm_s);
-  EXPECT_EQ(a.estimator.droop_sd, b.estimator.droop_sd);
   EXPECT_EQ(a.estimator.decision_log_odds, b.estimator.decision_log_odds);
   EXPECT_EQ(a.estimator.remainder, b.estimator.remainder);
-  EXPECT_EQ(a.controller.lag_s, b.controller.lag_s);
-  EXPECT_EQ(a.controller.proportional, b.controller.proportional);
-  EXPECT_EQ(a.controller.integral_per_s, b.controller.integral_per_s);
+  ASSERT_EQ(a.estimator.told.has_value(), b.estimator.told.has_value());
+  if (a.estimator.told) expect_same(*a.estimator.told, *b.estimator.told);
   EXPECT_EQ(a.controller.max_command_mm_s, b.controller.max_command_mm_s);
-  EXPECT_EQ(a.controller.tick_s, b.controller.tick_s);
+  EXPECT_EQ(a.controller.overshoot_share, b.controller.overshoot_share);
+  EXPECT_EQ(a.controller.overshoot_mm_s, b.controller.overshoot_mm_s);
   EXPECT_EQ(a.schedule.window_ticks, b.schedule.window_ticks);
   EXPECT_EQ(a.schedule.least_window_ticks, b.schedule.least_window_ticks);
   EXPECT_EQ(a.schedule.probe_window_ticks, b.schedule.probe_window_ticks);
   EXPECT_EQ(a.schedule.probe_reads, b.schedule.probe_reads);
+  EXPECT_EQ(a.schedule.probe_steady_ticks, b.schedule.probe_steady_ticks);
+  EXPECT_EQ(a.schedule.probe_moving_ticks, b.schedule.probe_moving_ticks);
+  EXPECT_EQ(a.schedule.probe_most_ticks, b.schedule.probe_most_ticks);
+  EXPECT_EQ(a.schedule.recheck_unsure_ticks, b.schedule.recheck_unsure_ticks);
   EXPECT_EQ(a.schedule.recheck_carried_ticks, b.schedule.recheck_carried_ticks);
   EXPECT_EQ(a.schedule.recheck_lost_ticks, b.schedule.recheck_lost_ticks);
   EXPECT_EQ(a.limits.acceleration_mm_s2, b.limits.acceleration_mm_s2);

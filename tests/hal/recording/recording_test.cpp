@@ -66,7 +66,7 @@ TEST(RecordingHeader, ComesBackAsItWas) {
                          .software = "cargobay 1.2.3",
                          .note = "a robot called R\u00f6bi"};
   header.parameters.loop.estimator.remainder = rt::Remainder::lost;
-  header.parameters.loop.estimator.lag_s = 0.123;
+  header.parameters.loop.estimator.likely_lag_s = 0.123;
   header.parameters.loop.schedule.window_ticks = 77;
   header.parameters.loop.feedback = rt::WheelLoop::Feedback::open;
   header.parameters.drive_mode = oi::Mode::full;
@@ -81,7 +81,7 @@ TEST(RecordingHeader, ComesBackAsItWas) {
   EXPECT_EQ(decoded->header.software, header.software);
   EXPECT_EQ(decoded->header.note, header.note);
   EXPECT_EQ(decoded->header.parameters.loop.estimator.remainder, rt::Remainder::lost);
-  EXPECT_EQ(decoded->header.parameters.loop.estimator.lag_s, 0.123);
+  EXPECT_EQ(decoded->header.parameters.loop.estimator.likely_lag_s, 0.123);
   EXPECT_EQ(decoded->header.parameters.loop.schedule.window_ticks, 77);
   EXPECT_EQ(decoded->header.parameters.loop.feedback, rt::WheelLoop::Feedback::open);
   EXPECT_EQ(decoded->header.parameters.drive_mode, oi::Mode::full);
@@ -96,8 +96,10 @@ TEST(RecordingHeader, RefusesWhatNoCycleIsSetUpWith) {
   };
   EXPECT_FALSE(refused([](RecordingHeader&) {}));
   EXPECT_TRUE(refused([](RecordingHeader& it) { it.baud = 0; }));
-  EXPECT_TRUE(refused([](RecordingHeader& it) { it.parameters.loop.estimator.lag_s = 0.0; }));
-  EXPECT_TRUE(refused([](RecordingHeader& it) { it.parameters.loop.controller.lag_s = NAN; }));
+  EXPECT_TRUE(
+      refused([](RecordingHeader& it) { it.parameters.loop.estimator.likely_lag_s = 0.0; }));
+  EXPECT_TRUE(
+      refused([](RecordingHeader& it) { it.parameters.loop.controller.overshoot_share = NAN; }));
   EXPECT_TRUE(refused([](RecordingHeader& it) { it.parameters.loop.schedule.probe_reads = -1; }));
   EXPECT_TRUE(refused([](RecordingHeader& it) { it.parameters.stop_after = rt::Duration{-1}; }));
 }
@@ -134,7 +136,7 @@ TEST(Recording, IsNoneWhereItHasNotTheMagic) {
 TEST(Recording, IsOfThisVersionOnly) {
   Bytes file = drive();
   file[kRecordingMagic.size()] = 9;
-  EXPECT_TRUE(says(complaint_about(file), "version 9, and this program reads version 1"));
+  EXPECT_TRUE(says(complaint_about(file), "version 9, and this program reads version 2"));
 }
 
 // As if the power had failed at any byte.

@@ -238,7 +238,7 @@ TEST(Replay, FindsTheLastBitOfAnEstimate) {
 TEST(Replay, FindsALoopThatIsNotTheSame) {
   RecordedDrive drive;
   drive.run(500);
-  drive.header.parameters.loop.estimator.lag_s *= 1.0 + 1e-12;
+  drive.header.parameters.loop.estimator.speed_noise_mm_s *= 1.0 + 1e-12;
   const ReplayResult result = replayed(drive.file());
   ASSERT_TRUE(result.difference);
   EXPECT_LT(result.frames, 500U);

@@ -1,0 +1,319 @@
+#include "rt/plant_bank.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Core>
+
+namespace cargobay::rt {
+namespace {
+
+// A plant of the family lies between two of these; the mean by weight finds it.
+constexpr std::array kLagS{0.020, 0.035, 0.060, 0.100, 0.160, 0.250, 0.360, 0.500};
+constexpr std::array kDeadTimeS{0.0, 0.025, 0.050, 0.075};
+constexpr std::array kRampMmS2{1e9, 1000.0, 600.0, 400.0, 275.0};
+constexpr double kNoRamp = 1e8;  // mm/s^2, and more
+
+// Before anything was seen. The wheels are of one make, so their gains go together.
+constexpr float kGain = 0.92F;
+constexpr float kGainSd = 0.2F;
+constexpr double kWeakestGain = 0.4;
+constexpr double kStrongestGain = 1.4;
+constexpr float kGainCorrelation = 0.9F;
+constexpr double kLagSpread = 1.7;      // standard deviation of the logarithm
+constexpr double kRampUnlikely = 0.7;   // logarithm of the odds against one
+constexpr double kDelayUnlikely = 6.0;  // the same, for each second of dead time
+
+constexpr float kShare = 3e-4F;         // of the weight, that each reading gives back to the prior
+constexpr float kGainDrift = 1e-6F;     // variance that each reading adds to a gain
+constexpr double kFadeS = 0.25;         // how long a way counts where the remainder is carried
+constexpr int kWeighEvery = 2;          // readings, if they come every tick
+constexpr float kMostSurprise = 16.0F;  // variances: no single reading may decide
+
+// A load that has changed.
+constexpr float kMisfit = 2.0F;    // standard deviations
+constexpr int kMisfitWindows = 2;  // in a row, as all of these; at a steady speed, one reading
+constexpr int kMisfitsWhileChanging = 6;  // then a plant that is not known yet misfits too
+constexpr float kWidenedSd = 0.1F;        // of a gain
+constexpr float kWidenedCorrelation = 0.8F;
+constexpr float kSteady = 0.15F;      // of the command: its changes, of late
+constexpr double kExcitationS = 0.5;  // how long a change counts as such
+constexpr double kFrozenS = 1.0;
+
+using All = Eigen::Array<float, 160, 1>;
+
+template <std::size_t kSize>
+auto map(std::array<float, kSize>& values) CARGOBAY_NONBLOCKING {
+  return Eigen::Map<Eigen::Array<float, static_cast<int>(kSize), 1>, Eigen::Aligned16>{
+      values.data()};
+}
+template <std::size_t kSize>
+auto map(const std::array<float, kSize>& values) CARGOBAY_NONBLOCKING {
+  return Eigen::Map<const Eigen::Array<float, static_cast<int>(kSize), 1>, Eigen::Aligned16>{
+      values.data()};
+}
+
+}  // namespace
+
+// One reading, as it is weighed.
+struct PlantBank::Seen {
+  float low_mm;  // the way lies between these
+  float high_mm;
+  float variance;
+  bool lost;
+};
+
+PlantBank::PlantBank(const Parameters& parameters)
+    : parameters_{parameters}, grid_{grid(parameters)} {
+  reset();
+}
+
+PlantBank::Grid PlantBank::grid(const Parameters& parameters) {
+  const double tick_s = parameters.tick_s;
+  const auto& told = parameters.told;
+  Grid grid;
+  for (std::size_t group = 0; group < kDeadTimes; ++group) {
+    const double dead_time_s = told ? told->dead_time_s : kDeadTimeS[group];
+    // A loop with a tick much shorter than a robot's has no history for that long.
+    const double delay = std::min((parameters.input_delay_s + dead_time_s) / tick_s,
+                                  static_cast<double>(kHistory - 2));
+    grid.dead_time_s[group] = dead_time_s;
+    grid.whole_ticks[group] = static_cast<std::size_t>(delay);
+    grid.part_tick[group] = static_cast<float>(delay - std::floor(delay));
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const std::size_t model = group * kGroup + i;
+      const double lag_s = told ? told->lag_s : kLagS[i % kLags];
+      double ramp_mm_s2 = kRampMmS2[i / kLags];
+      if (told) ramp_mm_s2 = told->ramp_s2_mm > 0.0 ? 1.0 / told->ramp_s2_mm : kRampMmS2[0];
+      const bool ramps = ramp_mm_s2 < kNoRamp;
+      const double decay = std::exp(-tick_s / lag_s);
+      const double off = std::log(lag_s / parameters.likely_lag_s) / kLagSpread;
+      grid.lag_s[model] = static_cast<float>(lag_s);
+      grid.decay[model] = static_cast<float>(decay);
+      grid.way_by_speed_s[model] = static_cast<float>(lag_s * (1.0 - decay));
+      grid.most_mm_s[model] = static_cast<float>(ramp_mm_s2 * tick_s);
+      grid.half[model] = ramps ? 0.5F : 0.0F;
+      grid.ramp_s2_mm[model] = static_cast<float>(ramps ? 1.0 / ramp_mm_s2 : 0.0);
+      grid.prior[model] = static_cast<float>(std::exp(
+          -0.5 * off * off - (ramps ? kRampUnlikely : 0.0) - kDelayUnlikely * dead_time_s));
+    }
+  }
+  map(grid.prior) /= map(grid.prior).sum();
+  return grid;
+}
+
+void PlantBank::reset() CARGOBAY_NONBLOCKING {
+  const auto& told = parameters_.told;
+  wheels_ = {};
+  wheels_[0].gain.fill(told ? static_cast<float>(told->gain_left) : kGain);
+  wheels_[1].gain.fill(told ? static_cast<float>(told->gain_right) : kGain);
+  const float variance = told ? 0.0F : kGainSd * kGainSd;
+  covariance_.left_left.fill(variance);
+  covariance_.right_right.fill(variance);
+  covariance_.left_right.fill(kGainCorrelation * variance);
+  weight_ = grid_.prior;
+  readings_ = {};
+  commands_ = {};
+  excitation_ = 0.0F;
+  frozen_ticks_ = 0;
+  driven_ = {};
+  average();
+}
+
+void PlantBank::step(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
+  const std::array<float, 2> former = commands_[now_];
+  now_ = (now_ + 1) % kHistory;
+  const std::array newest{static_cast<float>(command.left_mm_s),
+                          static_cast<float>(command.right_mm_s)};
+  commands_[now_] = newest;
+  const auto fade = static_cast<float>(1.0 - parameters_.tick_s / kExcitationS);
+  excitation_ =
+      fade * excitation_ + std::abs(newest[0] - former[0]) + std::abs(newest[1] - former[1]);
+  frozen_ticks_ = std::max(frozen_ticks_ - 1, 0);
+  driven_ = {drive(wheels_[0], 0), drive(wheels_[1], 1)};
+}
+
+// One tick of a wheel in each model. Returns the mean drive, by weight.
+float PlantBank::drive(Wheel& wheel, std::size_t which) CARGOBAY_NONBLOCKING {
+  using Group = Eigen::Map<Eigen::Array<float, kGroup, 1>, Eigen::Aligned16>;
+  using Constants = Eigen::Map<const Eigen::Array<float, kGroup, 1>, Eigen::Aligned16>;
+  const auto tick_s = static_cast<float>(parameters_.tick_s);
+  float mean = 0.0F;
+  for (std::size_t group = 0; group < kDeadTimes; ++group) {
+    const std::size_t from = group * kGroup;
+    const std::size_t newer = now_ + kHistory - grid_.whole_ticks[group];
+    const float part = grid_.part_tick[group];
+    const float command = part * commands_[(newer - 1) % kHistory][which] +
+                          (1.0F - part) * commands_[newer % kHistory][which];
+    Group ramped{wheel.ramped.data() + from};
+    Group speed{wheel.speed.data() + from};
+    const Constants most{grid_.most_mm_s.data() + from};
+    const Constants half{grid_.half.data() + from};
+    const Constants way_by_speed{grid_.way_by_speed_s.data() + from};
+    const Constants decay{grid_.decay.data() + from};
+    const Constants weight{weight_.data() + from};
+    const Eigen::Array<float, kGroup, 1> change = (command - ramped).max(-most).min(most);
+    ramped += change;
+    const Eigen::Array<float, kGroup, 1> input = ramped - half * change;
+    mean += (weight * input).sum();
+    const Eigen::Array<float, kGroup, 1> excess = speed - input;
+    const Eigen::Array<float, kGroup, 1> way = way_by_speed * excess + tick_s * input;
+    speed = input + decay * excess;
+    for (Values& axis : wheel.way) Group{axis.data() + from} += way;
+  }
+  return mean;
+}
+
+float PlantBank::steps_mm(Axis axis) const CARGOBAY_NONBLOCKING {
+  if (axis == Axis::distance) return 1.0F;
+  return static_cast<float>(parameters_.wheel_base_mm * std::numbers::pi / 180.0);
+}
+
+// Where the remainder is carried, the readings since long ago say together where the wheels are, to
+// a step: so old ways only fade. Where it is lost, each reading stands for itself.
+void PlantBank::read(Axis axis, int count, int ticks, RemainderBelief remainder)
+    CARGOBAY_NONBLOCKING {
+  const auto which = static_cast<std::size_t>(axis);
+  Readings& readings = readings_[which];
+  const float step = steps_mm(axis);
+  const auto steps = static_cast<float>(count);
+  readings.way_mm += steps * step;
+  const bool turns = axis == Axis::turn;
+  if (remainder == RemainderBelief::carried) {
+    if (++readings.waiting >= kWeighEvery) {
+      readings.waiting = 0;
+      weigh(axis, {readings.way_mm, readings.way_mm, turns ? 6.0F : 0.2F, false});
+    }
+    fade(which, static_cast<float>(std::exp(-ticks * parameters_.tick_s / kFadeS)));
+    return;
+  }
+  if (remainder == RemainderBelief::lost) {
+    // Not quite to the edges: a reading there teaches that the next one may be another.
+    constexpr float kEdge = 0.4F;
+    const float low = (count > 0 ? steps : steps - 1.0F) + kEdge;
+    const float high = (count < 0 ? steps : steps + 1.0F) - kEdge;
+    weigh(axis, {low * step, high * step, turns ? 4.0F : 0.12F, true});
+  } else if (ticks > 1) {  // tick by tick, the kinds differ by more than there is to see
+    const float between = steps + (count == 0 ? 0.0F : std::copysign(0.25F, steps));
+    weigh(axis, {between * step, between * step, turns ? 6.0F : 0.2F, false});
+  }
+  fade(which, 0.0F);
+}
+
+void PlantBank::read_unseen() CARGOBAY_NONBLOCKING {
+  for (std::size_t axis = 0; axis < readings_.size(); ++axis) fade(axis, 0.0F);
+}
+
+void PlantBank::fade(std::size_t axis, float keep) CARGOBAY_NONBLOCKING {
+  readings_[axis].way_mm *= keep;
+  for (Wheel& wheel : wheels_) map(wheel.way[axis]) *= keep;
+}
+
+bool PlantBank::steady() const CARGOBAY_NONBLOCKING {
+  const auto& newest = commands_[now_];
+  return excitation_ < kSteady * (std::abs(newest[0]) + std::abs(newest[1]));
+}
+
+// What all models foresee alike and does not come true is not the plant, but its load.
+bool PlantBank::load_changed(Readings& readings, float misfit, bool lost) CARGOBAY_NONBLOCKING {
+  if (std::abs(misfit) < kMisfit) {
+    readings.misfits = 0;
+    return false;
+  }
+  const int sign = misfit > 0.0F ? 1 : -1;
+  readings.misfits = readings.misfits * sign > 0 ? readings.misfits + sign : sign;
+  const int enough = lost ? kMisfitWindows : steady() ? 1 : kMisfitsWhileChanging;
+  if (std::abs(readings.misfits) < enough) return false;
+  readings.misfits = 0;
+  return true;
+}
+
+void PlantBank::widen() CARGOBAY_NONBLOCKING {
+  constexpr float kMore = kWidenedSd * kWidenedSd;
+  map(covariance_.left_left) += kMore;
+  map(covariance_.right_right) += kMore;
+  map(covariance_.left_right) += kWidenedCorrelation * kMore;
+  if (frozen_ticks_ > 0 || steady()) {
+    frozen_ticks_ = static_cast<int>(kFrozenS / parameters_.tick_s);
+  }
+}
+
+void PlantBank::weigh(Axis axis, const Seen& seen) CARGOBAY_NONBLOCKING {
+  if (parameters_.told) return;
+  const auto which = static_cast<std::size_t>(axis);
+  const bool turns = axis == Axis::turn;
+  auto left_gain = map(wheels_[0].gain);
+  auto right_gain = map(wheels_[1].gain);
+  const All left = (turns ? -1.0F : 0.5F) * map(wheels_[0].way[which]);
+  const All right = (turns ? 1.0F : 0.5F) * map(wheels_[1].way[which]);
+  const All expected = left * left_gain + right * right_gain;
+  const All miss = expected.max(seen.low_mm).min(seen.high_mm) - expected;
+  auto weight = map(weight_);
+  const float misfit = (weight * miss).sum() / std::sqrt(seen.variance);
+  const bool changed = load_changed(readings_[which], misfit, seen.lost);
+  if (changed) widen();
+
+  auto left_left = map(covariance_.left_left);
+  auto left_right = map(covariance_.left_right);
+  auto right_right = map(covariance_.right_right);
+  left_left += kGainDrift;
+  right_right += kGainDrift;
+  left_right += 0.5F * kGainDrift;
+  const All of_left = left_left * left + left_right * right;
+  const All of_right = left_right * left + right_right * right;
+  const All certainty = (left * of_left + right * of_right + seen.variance).inverse();
+  const All scaled = miss * certainty;
+  left_gain += of_left * scaled;
+  right_gain += of_right * scaled;
+  const All teaches = seen.lost ? All{(miss != 0.0F).select(certainty, 0.0F)} : certainty;
+  left_left -= of_left * of_left * teaches;
+  left_right -= of_left * of_right * teaches;
+  right_right -= of_right * of_right * teaches;
+
+  if (changed) fade(which, 0.0F);
+  if (frozen_ticks_ == 0)
+    weight *= (-0.5F * (miss * scaled).min(kMostSurprise)).exp() * certainty.sqrt();
+  weight = weight * ((1.0F - kShare) / weight.sum()) + kShare * map(grid_.prior);
+  average();
+}
+
+void PlantBank::average() CARGOBAY_NONBLOCKING {
+  const auto weight = map(weight_);
+  const auto mean = [&](const Values& values) CARGOBAY_NONBLOCKING {
+    return static_cast<double>((weight * map(values)).sum());
+  };
+  const double lag_s = mean(grid_.lag_s);
+  const auto square = static_cast<double>((weight * map(grid_.lag_s).square()).sum());
+  estimate_.lag_s = lag_s;
+  estimate_.lag_sd_s = std::sqrt(std::max(0.0, square - lag_s * lag_s));
+  estimate_.ramp_s2_mm = mean(grid_.ramp_s2_mm);
+  estimate_.dead_time_s = 0.0;
+  for (std::size_t group = 0; group < kDeadTimes; ++group) {
+    const Eigen::Map<const Eigen::Array<float, kGroup, 1>, Eigen::Aligned16> part{weight_.data() +
+                                                                                  group * kGroup};
+    estimate_.dead_time_s += grid_.dead_time_s[group] * static_cast<double>(part.sum());
+  }
+  // Whatever the readings say, no motor is as weak or as strong.
+  estimate_.gain_left = std::clamp(mean(wheels_[0].gain), kWeakestGain, kStrongestGain);
+  estimate_.gain_right = std::clamp(mean(wheels_[1].gain), kWeakestGain, kStrongestGain);
+  estimate_.gain_sd = gain_sd();
+}
+
+// Of both wheels together, in proportion to their commands: in a straight line the difference
+// between them is not known as well, but does not matter as much.
+double PlantBank::gain_sd() const CARGOBAY_NONBLOCKING {
+  const auto& newest = commands_[now_];
+  const float all = std::abs(newest[0]) + std::abs(newest[1]);
+  const float left = all > 0.0F ? std::abs(newest[0]) / all : 0.5F;
+  const float right = 1.0F - left;
+  const auto weight = map(weight_);
+  const All gain = left * map(wheels_[0].gain) + right * map(wheels_[1].gain);
+  const float mean = (weight * gain).sum();
+  const All variance = (gain - mean).square() + left * left * map(covariance_.left_left) +
+                       2.0F * left * right * map(covariance_.left_right) +
+                       right * right * map(covariance_.right_right);
+  return std::sqrt(static_cast<double>((weight * variance).sum()));
+}
+
+}  // namespace cargobay::rt
