@@ -100,7 +100,7 @@ tests() {
   junit=$logs/$name.xml
   rm -f "$junit"
   # Two for each processor: most wait for a robot. One that computes counts as two.
-  ctest --preset "$preset" -j $((2 * jobs)) --output-junit "$junit" --test-output-size-passed 100000 "$@" \
+  ctest --preset "$preset" -j "$jobs" --output-junit "$junit" --test-output-size-passed 100000 "$@" \
     > "$logs/$name.log" 2>&1 < /dev/null || status=$?
   head=$(tr '\n' ' ' < "$junit" 2> /dev/null | grep -oE '<testsuite [^>]*>' | head -n 1) || head=''
   attribute() { sed -nE "s/.*[[:space:]]$1=\"([0-9]+)\".*/\1/p" <<< "$head"; }
