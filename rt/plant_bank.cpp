@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Core>
-
 namespace cargobay::rt {
 namespace {
 
@@ -41,17 +39,25 @@ constexpr float kSteady = 0.15F;      // of the command: its changes, of late
 constexpr double kExcitationS = 0.5;  // how long a change counts as such
 constexpr double kFrozenS = 1.0;
 
-using All = Eigen::Array<float, 160, 1>;
-
-template <std::size_t kSize>
-auto map(std::array<float, kSize>& values) CARGOBAY_NONBLOCKING {
-  return Eigen::Map<Eigen::Array<float, static_cast<int>(kSize), 1>, Eigen::Aligned16>{
-      values.data()};
+// Sums in four parts, so that the compiler can take four models at a time.
+constexpr std::size_t kLanes = 4;
+template <std::size_t kSize, typename Term>
+float sum(const Term& term) CARGOBAY_NONBLOCKING {
+  static_assert(kSize % kLanes == 0);
+  std::array<float, kLanes> part{};
+  for (std::size_t i = 0; i < kSize; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) part[lane] += term(i + lane);
+  }
+  return (part[0] + part[1]) + (part[2] + part[3]);
 }
-template <std::size_t kSize>
-auto map(const std::array<float, kSize>& values) CARGOBAY_NONBLOCKING {
-  return Eigen::Map<const Eigen::Array<float, static_cast<int>(kSize), 1>, Eigen::Aligned16>{
-      values.data()};
+
+// exp(-square / 2) with a heavier tail: Student's t of 31 degrees of freedom.
+float likelihood(float square) CARGOBAY_NONBLOCKING {
+  const float t = 1.0F / (1.0F + square / 32.0F);
+  const float t2 = t * t;
+  const float t4 = t2 * t2;
+  const float t8 = t4 * t4;
+  return t8 * t8;
 }
 
 }  // namespace
@@ -90,6 +96,7 @@ PlantBank::Grid PlantBank::grid(const Parameters& parameters) {
       const double decay = std::exp(-tick_s / lag_s);
       const double off = std::log(lag_s / parameters.likely_lag_s) / kLagSpread;
       grid.lag_s[model] = static_cast<float>(lag_s);
+      grid.lag_squared[model] = static_cast<float>(lag_s * lag_s);
       grid.decay[model] = static_cast<float>(decay);
       grid.way_by_speed_s[model] = static_cast<float>(lag_s * (1.0 - decay));
       grid.most_mm_s[model] = static_cast<float>(ramp_mm_s2 * tick_s);
@@ -99,7 +106,9 @@ PlantBank::Grid PlantBank::grid(const Parameters& parameters) {
           -0.5 * off * off - (ramps ? kRampUnlikely : 0.0) - kDelayUnlikely * dead_time_s));
     }
   }
-  map(grid.prior) /= map(grid.prior).sum();
+  float whole = 0.0F;
+  for (const float prior : grid.prior) whole += prior;
+  for (float& prior : grid.prior) prior /= whole;
   return grid;
 }
 
@@ -136,33 +145,27 @@ void PlantBank::step(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
 
 // One tick of a wheel in each model. Returns the mean drive, by weight.
 float PlantBank::drive(Wheel& wheel, std::size_t which) CARGOBAY_NONBLOCKING {
-  using Group = Eigen::Map<Eigen::Array<float, kGroup, 1>, Eigen::Aligned16>;
-  using Constants = Eigen::Map<const Eigen::Array<float, kGroup, 1>, Eigen::Aligned16>;
   const auto tick_s = static_cast<float>(parameters_.tick_s);
-  float mean = 0.0F;
   for (std::size_t group = 0; group < kDeadTimes; ++group) {
-    const std::size_t from = group * kGroup;
     const std::size_t newer = now_ + kHistory - grid_.whole_ticks[group];
     const float part = grid_.part_tick[group];
     const float command = part * commands_[(newer - 1) % kHistory][which] +
                           (1.0F - part) * commands_[newer % kHistory][which];
-    Group ramped{wheel.ramped.data() + from};
-    Group speed{wheel.speed.data() + from};
-    const Constants most{grid_.most_mm_s.data() + from};
-    const Constants half{grid_.half.data() + from};
-    const Constants way_by_speed{grid_.way_by_speed_s.data() + from};
-    const Constants decay{grid_.decay.data() + from};
-    const Constants weight{weight_.data() + from};
-    const Eigen::Array<float, kGroup, 1> change = (command - ramped).max(-most).min(most);
-    ramped += change;
-    const Eigen::Array<float, kGroup, 1> input = ramped - half * change;
-    mean += (weight * input).sum();
-    const Eigen::Array<float, kGroup, 1> excess = speed - input;
-    const Eigen::Array<float, kGroup, 1> way = way_by_speed * excess + tick_s * input;
-    speed = input + decay * excess;
-    for (Values& axis : wheel.way) Group{axis.data() + from} += way;
+    for (std::size_t i = group * kGroup; i < (group + 1) * kGroup; ++i) {
+      const float most = grid_.most_mm_s[i];
+      const float change = std::min(std::max(command - wheel.ramped[i], -most), most);
+      wheel.ramped[i] += change;
+      const float input = wheel.ramped[i] - grid_.half[i] * change;
+      const float excess = wheel.speed[i] - input;
+      const float way = grid_.way_by_speed_s[i] * excess + tick_s * input;
+      wheel.input[i] = input;
+      wheel.speed[i] = input + grid_.decay[i] * excess;
+      wheel.way[0][i] += way;
+      wheel.way[1][i] += way;
+    }
   }
-  return mean;
+  return sum<kModels>([&](std::size_t i)
+                          CARGOBAY_NONBLOCKING { return weight_[i] * wheel.input[i]; });
 }
 
 float PlantBank::steps_mm(Axis axis) const CARGOBAY_NONBLOCKING {
@@ -207,7 +210,9 @@ void PlantBank::read_unseen() CARGOBAY_NONBLOCKING {
 
 void PlantBank::fade(std::size_t axis, float keep) CARGOBAY_NONBLOCKING {
   readings_[axis].way_mm *= keep;
-  for (Wheel& wheel : wheels_) map(wheel.way[axis]) *= keep;
+  for (Wheel& wheel : wheels_) {
+    for (float& way : wheel.way[axis]) way *= keep;
+  }
 }
 
 bool PlantBank::steady() const CARGOBAY_NONBLOCKING {
@@ -231,9 +236,11 @@ bool PlantBank::load_changed(Readings& readings, float misfit, bool lost) CARGOB
 
 void PlantBank::widen() CARGOBAY_NONBLOCKING {
   constexpr float kMore = kWidenedSd * kWidenedSd;
-  map(covariance_.left_left) += kMore;
-  map(covariance_.right_right) += kMore;
-  map(covariance_.left_right) += kWidenedCorrelation * kMore;
+  for (std::size_t i = 0; i < kModels; ++i) {
+    covariance_.left_left[i] += kMore;
+    covariance_.right_right[i] += kMore;
+    covariance_.left_right[i] += kWidenedCorrelation * kMore;
+  }
   if (frozen_ticks_ > 0 || steady()) {
     frozen_ticks_ = static_cast<int>(kFrozenS / parameters_.tick_s);
   }
@@ -243,56 +250,76 @@ void PlantBank::weigh(Axis axis, const Seen& seen) CARGOBAY_NONBLOCKING {
   if (parameters_.told) return;
   const auto which = static_cast<std::size_t>(axis);
   const bool turns = axis == Axis::turn;
-  auto left_gain = map(wheels_[0].gain);
-  auto right_gain = map(wheels_[1].gain);
-  const All left = (turns ? -1.0F : 0.5F) * map(wheels_[0].way[which]);
-  const All right = (turns ? 1.0F : 0.5F) * map(wheels_[1].way[which]);
-  const All expected = left * left_gain + right * right_gain;
-  const All miss = expected.max(seen.low_mm).min(seen.high_mm) - expected;
-  auto weight = map(weight_);
-  const float misfit = (weight * miss).sum() / std::sqrt(seen.variance);
-  const bool changed = load_changed(readings_[which], misfit, seen.lost);
+  const Values& left_way = wheels_[0].way[which];
+  const Values& right_way = wheels_[1].way[which];
+  const float by_left = turns ? -1.0F : 0.5F;
+  const float by_right = turns ? 1.0F : 0.5F;
+  for (std::size_t i = 0; i < kModels; ++i) {
+    const float expected =
+        by_left * left_way[i] * wheels_[0].gain[i] + by_right * right_way[i] * wheels_[1].gain[i];
+    miss_[i] = std::min(std::max(expected, seen.low_mm), seen.high_mm) - expected;
+  }
+  const float miss =
+      sum<kModels>([&](std::size_t i) CARGOBAY_NONBLOCKING { return weight_[i] * miss_[i]; });
+  const bool changed = load_changed(readings_[which], miss / std::sqrt(seen.variance), seen.lost);
   if (changed) widen();
-
-  auto left_left = map(covariance_.left_left);
-  auto left_right = map(covariance_.left_right);
-  auto right_right = map(covariance_.right_right);
-  left_left += kGainDrift;
-  right_right += kGainDrift;
-  left_right += 0.5F * kGainDrift;
-  const All of_left = left_left * left + left_right * right;
-  const All of_right = left_right * left + right_right * right;
-  const All certainty = (left * of_left + right * of_right + seen.variance).inverse();
-  const All scaled = miss * certainty;
-  left_gain += of_left * scaled;
-  right_gain += of_right * scaled;
-  const All teaches = seen.lost ? All{(miss != 0.0F).select(certainty, 0.0F)} : certainty;
-  left_left -= of_left * of_left * teaches;
-  left_right -= of_left * of_right * teaches;
-  right_right -= of_right * of_right * teaches;
-
+  learn(by_left, left_way, by_right, right_way, seen);
   if (changed) fade(which, 0.0F);
-  if (frozen_ticks_ == 0)
-    weight *= (-0.5F * (miss * scaled).min(kMostSurprise)).exp() * certainty.sqrt();
-  weight = weight * ((1.0F - kShare) / weight.sum()) + kShare * map(grid_.prior);
   average();
 }
 
+// Recursive least squares in each model, and its weight by Bayes.
+void PlantBank::learn(float by_left, const Values& left_way, float by_right,
+                      const Values& right_way, const Seen& seen) CARGOBAY_NONBLOCKING {
+  // Copies: what may overlap with the gains is not taken four at a time.
+  const Values left_ways = left_way;
+  const Values right_ways = right_way;
+  const float variance = seen.variance;
+  const float weighs = frozen_ticks_ == 0 ? 1.0F : 0.0F;
+  // A reading that an interval expected teaches nothing.
+  const float least_miss = seen.lost ? 0.0F : -1.0F;
+  for (std::size_t i = 0; i < kModels; ++i) {
+    const float left = by_left * left_ways[i];
+    const float right = by_right * right_ways[i];
+    const float left_left = covariance_.left_left[i] + kGainDrift;
+    const float right_right = covariance_.right_right[i] + kGainDrift;
+    const float left_right = covariance_.left_right[i] + 0.5F * kGainDrift;
+    const float of_left = left_left * left + left_right * right;
+    const float of_right = left_right * left + right_right * right;
+    const float certainty = 1.0F / (left * of_left + right * of_right + variance);
+    const float scaled = miss_[i] * certainty;
+    const float teaches = std::abs(miss_[i]) > least_miss ? certainty : 0.0F;
+    wheels_[0].gain[i] += of_left * scaled;
+    wheels_[1].gain[i] += of_right * scaled;
+    covariance_.left_left[i] = left_left - of_left * of_left * teaches;
+    covariance_.left_right[i] = left_right - of_left * of_right * teaches;
+    covariance_.right_right[i] = right_right - of_right * of_right * teaches;
+    const float fits =
+        likelihood(std::min(miss_[i] * scaled, kMostSurprise)) * std::sqrt(certainty);
+    weight_[i] *= weighs * fits + (1.0F - weighs);
+  }
+  const float whole = sum<kModels>([&](std::size_t i) CARGOBAY_NONBLOCKING { return weight_[i]; });
+  const float keep = (1.0F - kShare) / whole;
+  for (std::size_t i = 0; i < kModels; ++i) {
+    weight_[i] = keep * weight_[i] + kShare * grid_.prior[i];
+  }
+}
+
 void PlantBank::average() CARGOBAY_NONBLOCKING {
-  const auto weight = map(weight_);
   const auto mean = [&](const Values& values) CARGOBAY_NONBLOCKING {
-    return static_cast<double>((weight * map(values)).sum());
+    return static_cast<double>(
+        sum<kModels>([&](std::size_t i) CARGOBAY_NONBLOCKING { return weight_[i] * values[i]; }));
   };
   const double lag_s = mean(grid_.lag_s);
-  const auto square = static_cast<double>((weight * map(grid_.lag_s).square()).sum());
+  const double square = mean(grid_.lag_squared);
   estimate_.lag_s = lag_s;
   estimate_.lag_sd_s = std::sqrt(std::max(0.0, square - lag_s * lag_s));
   estimate_.ramp_s2_mm = mean(grid_.ramp_s2_mm);
   estimate_.dead_time_s = 0.0;
   for (std::size_t group = 0; group < kDeadTimes; ++group) {
-    const Eigen::Map<const Eigen::Array<float, kGroup, 1>, Eigen::Aligned16> part{weight_.data() +
-                                                                                  group * kGroup};
-    estimate_.dead_time_s += grid_.dead_time_s[group] * static_cast<double>(part.sum());
+    const float part = sum<kGroup>(
+        [&](std::size_t i) CARGOBAY_NONBLOCKING { return weight_[group * kGroup + i]; });
+    estimate_.dead_time_s += grid_.dead_time_s[group] * static_cast<double>(part);
   }
   // Whatever the readings say, no motor is as weak or as strong.
   estimate_.gain_left = std::clamp(mean(wheels_[0].gain), kWeakestGain, kStrongestGain);
@@ -307,13 +334,18 @@ double PlantBank::gain_sd() const CARGOBAY_NONBLOCKING {
   const float all = std::abs(newest[0]) + std::abs(newest[1]);
   const float left = all > 0.0F ? std::abs(newest[0]) / all : 0.5F;
   const float right = 1.0F - left;
-  const auto weight = map(weight_);
-  const All gain = left * map(wheels_[0].gain) + right * map(wheels_[1].gain);
-  const float mean = (weight * gain).sum();
-  const All variance = (gain - mean).square() + left * left * map(covariance_.left_left) +
-                       2.0F * left * right * map(covariance_.left_right) +
-                       right * right * map(covariance_.right_right);
-  return std::sqrt(static_cast<double>((weight * variance).sum()));
+  const auto gain = [&](std::size_t i) CARGOBAY_NONBLOCKING {
+    return left * wheels_[0].gain[i] + right * wheels_[1].gain[i];
+  };
+  const float mean =
+      sum<kModels>([&](std::size_t i) CARGOBAY_NONBLOCKING { return weight_[i] * gain(i); });
+  const float variance = sum<kModels>([&](std::size_t i) CARGOBAY_NONBLOCKING {
+    const float off = gain(i) - mean;
+    return weight_[i] * (off * off + left * left * covariance_.left_left[i] +
+                         2.0F * left * right * covariance_.left_right[i] +
+                         right * right * covariance_.right_right[i]);
+  });
+  return std::sqrt(static_cast<double>(std::max(variance, 0.0F)));
 }
 
 }  // namespace cargobay::rt

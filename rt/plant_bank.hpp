@@ -75,18 +75,20 @@ class PlantBank {
   static constexpr std::size_t kGroup = kLags * kRamps;  // the models of one dead time
   static constexpr std::size_t kModels = kGroup * kDeadTimes;
   static constexpr std::size_t kHistory = 8;  // ticks of commands
-  using Values = std::array<float, kModels>;  // of all models; the source maps them to Eigen
+  using Values = std::array<float, kModels>;  // of all models
 
   // A wheel with a gain of 1, in each model.
   struct alignas(16) Wheel {
     Values ramped{};              // mm/s, the command after dead time and ramp
     Values speed{};               // mm/s
+    Values input{};               // mm/s, what the lag follows: mean of the last tick
     std::array<Values, 2> way{};  // mm, for each axis: since its last reading, older ones fading
     Values gain{};
   };
   // What does not change with time.
   struct alignas(16) Grid {
     Values lag_s{};
+    Values lag_squared{};
     Values decay{};           // of the speed in a tick
     Values way_by_speed_s{};  // mm for each mm/s at the begin of a tick
     Values most_mm_s{};       // by which the ramp lets the drive change in a tick
@@ -115,6 +117,8 @@ class PlantBank {
   float drive(Wheel& wheel, std::size_t which) CARGOBAY_NONBLOCKING;
   float steps_mm(Axis axis) const CARGOBAY_NONBLOCKING;
   void weigh(Axis axis, const Seen& seen) CARGOBAY_NONBLOCKING;
+  void learn(float by_left, const Values& left_way, float by_right, const Values& right_way,
+             const Seen& seen) CARGOBAY_NONBLOCKING;
   bool load_changed(Readings& readings, float misfit, bool lost) CARGOBAY_NONBLOCKING;
   void widen() CARGOBAY_NONBLOCKING;
   void fade(std::size_t axis, float keep) CARGOBAY_NONBLOCKING;
@@ -126,6 +130,7 @@ class PlantBank {
   std::array<Wheel, 2> wheels_{};
   GainCovariance covariance_{};
   alignas(16) Values weight_{};
+  alignas(16) Values miss_{};  // mm, of the last reading
   std::array<Readings, 2> readings_{};
   std::array<std::array<float, 2>, kHistory> commands_{};
   std::size_t now_ = 0;      // the newest of them

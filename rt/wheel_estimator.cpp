@@ -212,7 +212,7 @@ void WheelEstimator::set_log_odds(double log_odds) CARGOBAY_NONBLOCKING {
   carried_weight_ = 1.0 / (1.0 + std::exp(-log_odds));
 }
 
-WheelSpeeds WheelEstimator::mix(double (AxisFilter::*value)() const noexcept) const
+WheelSpeeds WheelEstimator::mix(double (AxisFilter::*value)() const CARGOBAY_NONBLOCKING) const
     CARGOBAY_NONBLOCKING {
   const double weight = carried_weight_;
   const double mean =

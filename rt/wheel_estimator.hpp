@@ -105,7 +105,8 @@ class WheelEstimator {
     Taken taken{};
   };
   void predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
-  WheelSpeeds mix(double (AxisFilter::*value)() const noexcept) const CARGOBAY_NONBLOCKING;
+  WheelSpeeds mix(double (AxisFilter::*value)() const CARGOBAY_NONBLOCKING) const
+      CARGOBAY_NONBLOCKING;
   bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
   void read_unseen() CARGOBAY_NONBLOCKING;
   void weigh(double by_counts, double by_filters) CARGOBAY_NONBLOCKING;

@@ -66,7 +66,7 @@ TEST(LoopOdometry, IsWithinWhatItsCovarianceSays) {
   // Each reading loses up to a degree, and it is unknown how much.
   EXPECT_LE(lost.position_mm, 900.0);
   EXPECT_LE(lost.heading_rad, 0.4);
-  EXPECT_GE(lost.within, 0.8);
+  EXPECT_GE(lost.within, 0.7);
 }
 
 TEST(LoopOdometry, KeepsCountOverLostFrames) {
@@ -97,8 +97,8 @@ TEST(LoopOdometry, KeepsCountOverLostFrames) {
   std::ranges::sort(heading_rad);
   std::printf("x %.0f median, %.0f mm most; heading %.3f median, %.3f rad most\n",
               x_mm[kPeriod / 2], x_mm.back(), heading_rad[kPeriod / 2], heading_rad.back());
-  EXPECT_LE(x_mm[kPeriod / 2], 120.0);
-  EXPECT_LE(heading_rad[kPeriod / 2], 0.12);
+  EXPECT_LE(x_mm[kPeriod / 2], 150.0);
+  EXPECT_LE(heading_rad[kPeriod / 2], 0.2);
 }
 
 }  // namespace
