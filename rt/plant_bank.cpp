@@ -10,8 +10,8 @@ namespace {
 // A plant of the family lies between two of these; the mean by weight finds it.
 constexpr std::array kLagS{0.020, 0.035, 0.060, 0.100, 0.160, 0.250, 0.360, 0.500};
 constexpr std::array kDeadTimeS{0.0, 0.025, 0.050, 0.075};
-constexpr std::array kRampMmS2{1e9, 1000.0, 600.0, 400.0, 275.0};
-constexpr double kNoRamp = 1e8;  // mm/s^2, and more
+constexpr std::array kRampS2Mm{0.0, 1.0 / 1000.0, 1.0 / 600.0, 1.0 / 400.0, 1.0 / 275.0};
+constexpr double kNoLimit = 1e6;  // mm/s, to the change in a tick
 
 // Before anything was seen. The wheels are of one make, so their gains go together.
 constexpr float kGain = 0.92F;
@@ -76,40 +76,43 @@ PlantBank::PlantBank(const Parameters& parameters)
 }
 
 PlantBank::Grid PlantBank::grid(const Parameters& parameters) {
-  const double tick_s = parameters.tick_s;
   const auto& told = parameters.told;
   Grid grid;
   for (std::size_t group = 0; group < kDeadTimes; ++group) {
     const double dead_time_s = told ? told->dead_time_s : kDeadTimeS[group];
     // A loop with a tick much shorter than a robot's has no history for that long.
-    const double delay = std::min((parameters.input_delay_s + dead_time_s) / tick_s,
+    const double delay = std::min((parameters.input_delay_s + dead_time_s) / parameters.tick_s,
                                   static_cast<double>(kHistory - 2));
     grid.dead_time_s[group] = dead_time_s;
     grid.whole_ticks[group] = static_cast<std::size_t>(delay);
     grid.part_tick[group] = static_cast<float>(delay - std::floor(delay));
     for (std::size_t i = 0; i < kGroup; ++i) {
-      const std::size_t model = group * kGroup + i;
       const double lag_s = told ? told->lag_s : kLagS[i % kLags];
-      double ramp_mm_s2 = kRampMmS2[i / kLags];
-      if (told) ramp_mm_s2 = told->ramp_s2_mm > 0.0 ? 1.0 / told->ramp_s2_mm : kRampMmS2[0];
-      const bool ramps = ramp_mm_s2 < kNoRamp;
-      const double decay = std::exp(-tick_s / lag_s);
-      const double off = std::log(lag_s / parameters.likely_lag_s) / kLagSpread;
-      grid.lag_s[model] = static_cast<float>(lag_s);
-      grid.lag_squared[model] = static_cast<float>(lag_s * lag_s);
-      grid.decay[model] = static_cast<float>(decay);
-      grid.way_by_speed_s[model] = static_cast<float>(lag_s * (1.0 - decay));
-      grid.most_mm_s[model] = static_cast<float>(ramp_mm_s2 * tick_s);
-      grid.half[model] = ramps ? 0.5F : 0.0F;
-      grid.ramp_s2_mm[model] = static_cast<float>(ramps ? 1.0 / ramp_mm_s2 : 0.0);
-      grid.prior[model] = static_cast<float>(std::exp(
-          -0.5 * off * off - (ramps ? kRampUnlikely : 0.0) - kDelayUnlikely * dead_time_s));
+      const double ramp_s2_mm = told ? told->ramp_s2_mm : kRampS2Mm[i / kLags];
+      grid.set(group * kGroup + i, lag_s, ramp_s2_mm, parameters);
+      grid.prior[group * kGroup + i] *= static_cast<float>(std::exp(-kDelayUnlikely * dead_time_s));
     }
   }
   float whole = 0.0F;
   for (const float prior : grid.prior) whole += prior;
   for (float& prior : grid.prior) prior /= whole;
   return grid;
+}
+
+// A model, but for its dead time.
+void PlantBank::Grid::set(std::size_t model, double lag, double ramp,
+                          const Parameters& parameters) {
+  const double decayed = std::exp(-parameters.tick_s / lag);
+  const double off = std::log(lag / parameters.likely_lag_s) / kLagSpread;
+  const double unlikely = 0.5 * off * off + (ramp > 0.0 ? kRampUnlikely : 0.0);
+  lag_s[model] = static_cast<float>(lag);
+  lag_squared[model] = static_cast<float>(lag * lag);
+  decay[model] = static_cast<float>(decayed);
+  way_by_speed_s[model] = static_cast<float>(lag * (1.0 - decayed));
+  most_mm_s[model] = static_cast<float>(ramp > 0.0 ? parameters.tick_s / ramp : kNoLimit);
+  half[model] = ramp > 0.0 ? 0.5F : 0.0F;
+  ramp_s2_mm[model] = static_cast<float>(ramp);
+  prior[model] = static_cast<float>(std::exp(-unlikely));
 }
 
 void PlantBank::reset() CARGOBAY_NONBLOCKING {

@@ -98,6 +98,7 @@ class PlantBank {
     std::array<double, kDeadTimes> dead_time_s{};
     std::array<std::size_t, kDeadTimes> whole_ticks{};  // of delay, and ...
     std::array<float, kDeadTimes> part_tick{};          // ... the rest
+    void set(std::size_t model, double lag, double ramp, const Parameters& parameters);
   };
   // Covariance of the gains.
   struct alignas(16) GainCovariance {

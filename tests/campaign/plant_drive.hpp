@@ -1,0 +1,81 @@
+// A drive of the campaign over plants: the loop, its odometry and a robot, in virtual time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "rt/both_odometries.hpp"
+#include "rt/wheel_loop.hpp"
+#include "tests/campaign/plant_robot.hpp"
+
+namespace cargobay::campaign {
+
+using rt::WheelSpeeds;
+using Target = std::function<WheelSpeeds(double seconds)>;
+
+inline constexpr int kRestTicks = 10;
+constexpr double kRoomMmS = 460.0;  // commands of an unloaded robot stay below
+
+struct State {
+  double time_s = 0.0;
+  WheelSpeeds target{};
+  WheelSpeeds set{};
+  WheelSpeeds truth{};
+  rt::RemainderBelief belief = rt::RemainderBelief::unknown;
+};
+struct Driven {
+  std::vector<State> states{};
+  TruePose truth{};
+  rt::OdometryPose pose{};
+  rt::PoseCovariance covariance{};
+};
+struct How {
+  bool told = false;  // the loop knows plant and kind
+  std::optional<double> load_at_s{};
+};
+
+inline rt::WheelLoop::Parameters told(const PlantValues& plant) {
+  rt::WheelLoop::Parameters parameters;
+  parameters.estimator.remainder = plant.remainder;
+  parameters.estimator.told =
+      rt::PlantEstimate{.lag_s = plant.lag_s,
+                        .dead_time_s = plant.dead_time_s,
+                        .ramp_s2_mm = plant.ramp_mm_s2 ? 1.0 / *plant.ramp_mm_s2 : 0.0,
+                        .gain_left = plant.gain_left,
+                        .gain_right = plant.gain_right};
+  return parameters;
+}
+
+inline Driven drive(const PlantValues& plant, std::uint64_t seed, double seconds,
+                    const Target& target, const How& how = {}) {
+  PlantRobot robot{plant, seed};
+  rt::WheelLoop loop{how.told ? told(plant) : rt::WheelLoop::Parameters{}};
+  rt::BothOdometries odometry{{}};
+  Driven driven;
+  bool reads = true;
+  const int ticks = static_cast<int>(seconds / kTickS);
+  for (int tick = -kRestTicks; tick < ticks; ++tick) {
+    const double time_s = tick * kTickS;
+    if (how.load_at_s && time_s >= *how.load_at_s) robot.load(0.75);
+    robot.tick(loop.command());
+    loop.frame(reads ? std::optional{robot.read()} : std::nullopt);
+    odometry.step(loop.take_travels(), loop.belief(), loop.sure());
+    const WheelSpeeds wanted = tick < 0 ? WheelSpeeds{} : target(time_s);
+    loop.control(wanted);
+    reads = loop.next_reads();
+    if (tick < 0) continue;
+    driven.states.push_back({.time_s = time_s,
+                             .target = wanted,
+                             .set = loop.set(),
+                             .truth = robot.speeds(),
+                             .belief = loop.belief()});
+  }
+  driven.truth = robot.pose();
+  driven.pose = odometry.now().pose();
+  driven.covariance = odometry.now().covariance();
+  return driven;
+}
+
+}  // namespace cargobay::campaign

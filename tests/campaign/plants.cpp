@@ -1,0 +1,368 @@
+// The velocity loop on random plants, in virtual time: prints a table. Exit status 1 if something
+// that docs/control.md promises does not hold.
+// usage: plants [N [SEED]]   N plants of each kind of remainder (1000); seeds from SEED (1) on
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/campaign/number.hpp"
+#include "tests/campaign/plant_drive.hpp"
+
+namespace cargobay::campaign {
+namespace {
+
+constexpr double kRoomMmS = 460.0;     // commands of an unloaded robot stay below
+constexpr double kChiSquare99 = 9.21;  // of two degrees of freedom
+
+// What a drive may ask for so that no command has to be beyond the robot's range.
+double fastest(const PlantValues& plant) {
+  return std::min(plant.gain_left, plant.gain_right) * kRoomMmS;
+}
+
+// Another target every 1.2 s: straight, on the spot, in an arc.
+Target about(const PlantValues& plant, std::uint64_t seed) {
+  std::mt19937_64 random{seed + 7};
+  const auto draw = [&random](double least, double most) {
+    return std::uniform_real_distribution<double>{least, most}(random);
+  };
+  std::vector<WheelSpeeds> targets;
+  for (int i = 0; i < 40; ++i) {
+    const double speed = draw(30.0, std::min(400.0, fastest(plant))) * (draw(0, 1) < 0.3 ? -1 : 1);
+    const double shape = draw(0.0, 3.0);
+    targets.push_back(shape < 1.0   ? WheelSpeeds{speed, speed}
+                      : shape < 2.0 ? WheelSpeeds{-0.6 * speed, 0.6 * speed}
+                                    : WheelSpeeds{draw(0.4, 1.0) * speed, speed});
+  }
+  return [targets](double seconds) {
+    return targets[static_cast<std::size_t>(seconds / 1.2) % targets.size()];
+  };
+}
+
+// As a person steers: a little different every 105 ms.
+Target steered(std::uint64_t seed) {
+  std::mt19937_64 random{seed + 11};
+  const auto draw = [&random](double most) {
+    return std::uniform_real_distribution<double>{-most, most}(random);
+  };
+  std::vector<WheelSpeeds> targets;
+  double speed = 0.0;
+  double turn = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    speed = std::clamp(speed + draw(40.0), -250.0, 250.0);
+    turn = std::clamp(turn + draw(30.0), -80.0, 80.0);
+    targets.push_back({speed - turn, speed + turn});
+  }
+  return [targets](double seconds) {
+    return targets[static_cast<std::size_t>(seconds / 0.105) % targets.size()];
+  };
+}
+
+// Sides of 2.5 s, corners of 1.2 s, a stop before and behind each.
+WheelSpeeds square(double seconds) {
+  const double part = std::fmod(seconds, 4.5);
+  if (part < 2.5) return {150.0, 150.0};
+  return part >= 3.0 && part < 4.2 ? WheelSpeeds{-100.0, 100.0} : WheelSpeeds{};
+}
+
+Target then_stand(Target target, double seconds) {
+  return [target = std::move(target), seconds](double time_s) {
+    return time_s < seconds ? target(time_s) : WheelSpeeds{};
+  };
+}
+
+double rms_from(std::span<const State> states, double from_s, WheelSpeeds State::* wanted) {
+  double sum = 0.0;
+  int count = 0;
+  for (const State& state : states) {
+    if (state.time_s < from_s) continue;
+    sum += std::pow(state.truth.left_mm_s - (state.*wanted).left_mm_s, 2) +
+           std::pow(state.truth.right_mm_s - (state.*wanted).right_mm_s, 2);
+    count += 2;
+  }
+  return std::sqrt(sum / count);
+}
+
+// Of the worse wheel, on average.
+double mean_off_from(std::span<const State> states, double from_s) {
+  WheelSpeeds off;
+  int count = 0;
+  for (const State& state : states) {
+    if (state.time_s < from_s) continue;
+    off.left_mm_s += state.truth.left_mm_s - state.target.left_mm_s;
+    off.right_mm_s += state.truth.right_mm_s - state.target.right_mm_s;
+    ++count;
+  }
+  return std::max(std::abs(off.left_mm_s), std::abs(off.right_mm_s)) / count;
+}
+
+// The figures of a row, one a plant.
+struct Figures {
+  std::vector<double> values{};
+  double at(double share) {
+    if (values.empty()) return 0.0;
+    std::ranges::sort(values);
+    const auto last = static_cast<double>(values.size() - 1);
+    return values[static_cast<std::size_t>(std::lround(share * last))];
+  }
+};
+
+// First step.
+
+struct Step {
+  double overshoot_mm_s = 0.0;
+  double settled_s = 0.0;
+};
+void see(Step& step, const PlantValues& plant, double time_s, const WheelSpeeds& truth,
+         const WheelSpeeds& target) {
+  for (const auto wheel : {&WheelSpeeds::left_mm_s, &WheelSpeeds::right_mm_s}) {
+    const double wanted = target.*wheel;
+    const double off = (truth.*wheel - wanted) * (wanted > 0.0 ? 1.0 : -1.0);
+    step.overshoot_mm_s = std::max(step.overshoot_mm_s, off);
+    const double near = std::max(0.05 * std::abs(wanted), 4.0) + plant.step_mm_s;
+    if (std::abs(off) > near) step.settled_s = time_s;
+  }
+}
+
+WheelSpeeds first_target(const PlantValues& plant, std::uint64_t seed) {
+  std::mt19937_64 random{seed + 3};
+  const auto draw = [&random](double least, double most) {
+    return std::uniform_real_distribution<double>{least, most}(random);
+  };
+  const double speed = draw(20.0, 450.0);
+  const double shape = draw(0.0, 3.0);
+  WheelSpeeds target{shape < 1.0 ? speed : shape < 2.0 ? -speed : draw(0.4, 0.9) * speed, speed};
+  const double over =
+      std::max(std::abs(target.left_mm_s) / plant.gain_left, target.right_mm_s / plant.gain_right) /
+      kRoomMmS;
+  if (over > 1.0) target = {target.left_mm_s / over, target.right_mm_s / over};
+  return target;
+}
+
+// The same plant, told by the same ramp the command that is right in the end.
+Step oracle(const PlantValues& plant, std::uint64_t seed, const WheelSpeeds& target) {
+  PlantRobot robot{plant, seed};
+  rt::SlewLimiter slew{rt::SlewLimiter::Limits{}};
+  WheelSpeeds command;
+  Step step;
+  for (int tick = 0; tick < 300; ++tick) {
+    robot.tick(command);
+    const WheelSpeeds set = slew.step(target, kTickS);
+    command = {std::round(set.left_mm_s / plant.gain_left),
+               std::round(set.right_mm_s / plant.gain_right)};
+    see(step, plant, tick * kTickS, robot.speeds(), target);
+  }
+  return step;
+}
+
+struct Rows {
+  Figures overshoot{};  // parts of what is allowed
+  Figures settled{};
+  Figures wrong_s{};  // longest time of a wrong kind of remainder
+  Figures steady{};
+  Figures tracking{};  // ratio to the loop that is told
+  Figures load_s{};
+  Figures sine{};
+  Figures steered{};  // ratio to open loop
+  std::vector<Figures> position{3};
+  std::vector<Figures> heading{3};
+  std::vector<int> within{0, 0, 0};
+};
+
+void first_step(const PlantValues& plant, std::uint64_t seed, Rows& rows) {
+  const WheelSpeeds target = first_target(plant, seed);
+  const Driven driven = drive(plant, seed, 4.5, [&target](double) { return target; });
+  Step step;
+  const bool carried = plant.remainder == rt::Remainder::carried;
+  const auto right = carried ? rt::RemainderBelief::carried : rt::RemainderBelief::lost;
+  double wrong_s = 0.0;
+  double longest_s = 0.0;
+  for (const State& state : driven.states) {
+    see(step, plant, state.time_s, state.truth, target);
+    const bool wrong = state.belief != right && state.belief != rt::RemainderBelief::unknown;
+    wrong_s = wrong ? wrong_s + kTickS : 0.0;
+    longest_s = std::max(longest_s, wrong_s);
+  }
+  const double fast = std::max(std::abs(target.left_mm_s), std::abs(target.right_mm_s));
+  const double allowed = std::max(0.06 * fast, 10.0) + plant.step_mm_s;
+  const double allowed_s = 1.2 * oracle(plant, seed, target).settled_s + (carried ? 0.5 : 0.9);
+  rows.overshoot.values.push_back(step.overshoot_mm_s / allowed);
+  rows.settled.values.push_back(step.settled_s / allowed_s);
+  rows.wrong_s.values.push_back(longest_s);
+}
+
+void after_10_s(const PlantValues& plant, std::uint64_t seed, Rows& rows) {
+  const Target target = about(plant, seed);
+  const Driven learnt = drive(plant, seed, 24.0, target);
+  const Driven known = drive(plant, seed, 24.0, target, {.told = true});
+  rows.tracking.values.push_back(rms_from(learnt.states, 10.0, &State::set) /
+                                 rms_from(known.states, 10.0, &State::set));
+  const double speed = std::min(250.0, fastest(plant));
+  const Driven steady = drive(plant, seed, 21.0, [&](double time_s) {
+    return time_s < 10.0 ? target(time_s) : WheelSpeeds{speed, 0.8 * speed};
+  });
+  rows.steady.values.push_back(mean_off_from(steady.states, 13.0));
+
+  constexpr double kSwing = 50.0;
+  const Driven swings = drive(plant, seed, 16.0, [&](double time_s) {
+    const double now = 150.0 + kSwing * std::sin(2.0 * std::numbers::pi * time_s);
+    return time_s < 10.0 ? target(time_s) : WheelSpeeds{now, now};
+  });
+  double in_phase = 0.0;
+  double across = 0.0;
+  for (const State& state : swings.states) {
+    if (state.time_s < 12.0) continue;
+    in_phase += state.truth.left_mm_s * std::sin(2.0 * std::numbers::pi * state.time_s);
+    across += state.truth.left_mm_s * std::cos(2.0 * std::numbers::pi * state.time_s);
+  }
+  rows.sine.values.push_back(std::hypot(in_phase, across) * 2.0 * kTickS / 4.0 / kSwing);
+}
+
+void load_step(const PlantValues& plant, std::uint64_t seed, Rows& rows) {
+  constexpr double kSpeed = 180.0;
+  constexpr double kAtS = 4.0;
+  if (std::min(plant.gain_left, plant.gain_right) < 0.8) return;  // beyond what is commanded
+  const Driven driven = drive(plant, seed, 8.0, [](double) { return WheelSpeeds{kSpeed, kSpeed}; },
+                              {.load_at_s = kAtS});
+  double back_s = 0.0;
+  for (const State& state : driven.states) {
+    if (state.time_s <= kAtS) continue;
+    const double off = std::max(std::abs(state.truth.left_mm_s - kSpeed),
+                                std::abs(state.truth.right_mm_s - kSpeed));
+    if (off > 0.05 * kSpeed) back_s = state.time_s - kAtS;
+  }
+  rows.load_s.values.push_back(back_s);
+}
+
+void steer(const PlantValues& plant, std::uint64_t seed, Rows& rows) {
+  const Target target = steered(seed);
+  const Driven driven = drive(plant, seed, 18.0, target);
+  PlantRobot open{plant, seed};
+  std::vector<State> states;
+  WheelSpeeds command;
+  for (const State& state : driven.states) {
+    open.tick(command);
+    command = {std::round(state.target.left_mm_s), std::round(state.target.right_mm_s)};
+    states.push_back({.time_s = state.time_s, .target = state.target, .truth = open.speeds()});
+  }
+  rows.steered.values.push_back(rms_from(driven.states, 0.0, &State::target) /
+                                rms_from(states, 0.0, &State::target));
+}
+
+void odometry(const PlantValues& plant, std::uint64_t seed, Rows& rows) {
+  const Target targets[] = {then_stand(square, 34.0), then_stand(about(plant, seed), 34.0),
+                            then_stand(steered(seed), 34.0)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Driven driven = drive(plant, seed, 37.0, targets[i]);
+    const double x_mm = driven.pose.x_mm - driven.truth.x_mm;
+    const double y_mm = driven.pose.y_mm - driven.truth.y_mm;
+    const double turn = driven.pose.heading_rad - driven.truth.heading_rad;
+    const rt::PoseCovariance& p = driven.covariance;
+    const double distance = (x_mm * x_mm * p.yy - 2.0 * x_mm * y_mm * p.xy + y_mm * y_mm * p.xx) /
+                            (p.xx * p.yy - p.xy * p.xy);
+    rows.position[i].values.push_back(std::hypot(x_mm, y_mm));
+    rows.heading[i].values.push_back(std::abs(turn) * 180.0 / std::numbers::pi);
+    if (distance < kChiSquare99) ++rows.within[i];
+  }
+}
+
+Rows survey(rt::Remainder remainder, std::uint64_t first, std::uint64_t count) {
+  Rows rows;
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    PlantValues plant = any_plant(seed, remainder);
+    first_step(plant, seed, rows);
+    after_10_s(plant, seed, rows);
+    steer(plant, seed, rows);
+    odometry(plant, seed, rows);
+    plant.step_mm_s = 0.0;
+    load_step(plant, seed, rows);
+  }
+  return rows;
+}
+
+std::string shares(Figures& figures) {
+  char text[80];
+  std::snprintf(text, sizeof text, "%.2f, %.2f, %.2f", figures.at(0.5), figures.at(0.95),
+                figures.at(0.99));
+  return text;
+}
+
+void print(Rows& carried, Rows& lost, std::uint64_t count) {
+  const auto row = [&](const char* what, Figures Rows::* member) {
+    std::printf("| %s | %s | %s |\n", what, shares(carried.*member).c_str(),
+                shares(lost.*member).c_str());
+  };
+  std::printf("| p50, p95, p99 of %ju plants each | carried | lost |\n|---|---|---|\n",
+              static_cast<std::uintmax_t>(count));
+  row("first step: overshoot, part of what is allowed", &Rows::overshoot);
+  row("first step: settled, part of the time allowed", &Rows::settled);
+  row("kind of remainder: longest time wrong in its 4.5 s", &Rows::wrong_s);
+  row("after 10 s: tracking rms, by that of the loop that is told", &Rows::tracking);
+  row("after 10 s: steady error, mm/s", &Rows::steady);
+  row("after 10 s: gain of a sine of 50 mm/s, 1 Hz", &Rows::sine);
+  row("load step of 25 % at 180 mm/s: back within 5 %, s", &Rows::load_s);
+  row("setpoints every 105 ms: rms, by that of open loop", &Rows::steered);
+  constexpr const char* kDrives[] = {"square with stops", "driving about",
+                                     "setpoints every 105 ms"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::printf("| odometry, %s, 34 s: mm | %s | %s |\n", kDrives[i],
+                shares(carried.position[i]).c_str(), shares(lost.position[i]).c_str());
+    std::printf("| the same: degrees | %s | %s |\n", shares(carried.heading[i]).c_str(),
+                shares(lost.heading[i]).c_str());
+    std::printf("| the same: truth inside the 99 %% ellipse, %% | %.1f | %.1f |\n",
+                100.0 * carried.within[i] / static_cast<double>(count),
+                100.0 * lost.within[i] / static_cast<double>(count));
+  }
+}
+
+// What is promised at p95, and of the ellipses.
+bool holds(Rows& rows, double steady_mm_s, std::uint64_t count) {
+  constexpr double kWithin = 0.95;
+  bool all = true;
+  const auto at_most = [&all](const char* what, double value, double most) {
+    if (value <= most) return;
+    std::printf("does not hold: %s: %.2f, at most %.2f\n", what, value, most);
+    all = false;
+  };
+  at_most("overshoot of the first step", rows.overshoot.at(0.95), 1.0);
+  at_most("settling of the first step", rows.settled.at(0.95), 1.5);
+  at_most("kind of remainder wrong, s", rows.wrong_s.at(0.95), 2.0);
+  at_most("tracking", rows.tracking.at(0.95), 1.6);
+  at_most("steady error, mm/s", rows.steady.at(0.95), steady_mm_s);
+  at_most("gain of a sine", rows.sine.at(0.95), 1.2);
+  for (const int within : rows.within) {
+    at_most("share of drives outside their ellipse", 1.0 - within / static_cast<double>(count),
+            1.0 - kWithin);
+  }
+  return all;
+}
+
+}  // namespace
+}  // namespace cargobay::campaign
+
+int main(int argc, char** argv) {
+  namespace campaign = cargobay::campaign;
+  using cargobay::rt::Remainder;
+  const std::span<char*> arguments{argv, static_cast<std::size_t>(argc)};
+  std::uint64_t values[] = {1000, 1};
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    const auto value = campaign::number(arguments[i]);
+    if (i > 2 || !value || *value == 0) {
+      std::fprintf(stderr, "usage: plants [N [SEED]], both above 0\n");
+      return 2;
+    }
+    values[i - 1] = *value;
+  }
+  campaign::Rows carried = campaign::survey(Remainder::carried, values[1], values[0]);
+  campaign::Rows lost = campaign::survey(Remainder::lost, values[1], values[0]);
+  campaign::print(carried, lost, values[0]);
+  const bool carried_holds = campaign::holds(carried, 2.5, values[0]);
+  const bool lost_holds = campaign::holds(lost, 5.0, values[0]);
+  return carried_holds && lost_holds ? 0 : 1;
+}
