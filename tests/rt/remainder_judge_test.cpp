@@ -78,7 +78,8 @@ INSTANTIATE_TEST_SUITE_P(RemainderJudge, RemainderJudgeOfBothKinds,
 // Where a tick leaves a quarter to three quarters of a step, three tests in a row decide.
 TEST_P(RemainderJudgeOfBothKinds, TellsTheKindByEitherAxisAndSign) {
   for (const Axis axis : {Axis::distance, Axis::turn}) {
-    for (double rate = 0.3; rate < 7.5; rate += 0.03) {
+    for (int percent = 30; percent < 750; percent += 3) {
+      const double rate = 0.01 * percent;
       const double part = rate - std::floor(rate);
       if (part < 0.3 || part > 0.8) continue;
       for (const double sign : {1.0, -1.0}) {
@@ -100,7 +101,8 @@ TEST_P(RemainderJudgeOfBothKinds, IsNotMisledAtAnySpeed) {
   for (const double wander : {0.0, 0.02}) {
     int drives = 0;
     int wrong = 0;
-    for (double rate = 0.26; rate < 7.5; rate += 0.017) {
+    for (int thousandth = 260; thousandth < 7500; thousandth += 17) {
+      const double rate = 0.001 * thousandth;
       for (unsigned seed = 1; seed <= 10; ++seed) {
         RemainderJudge judge;
         Counter counter{GetParam(), 1000 * seed + static_cast<unsigned>(1000.0 * rate), wander};
@@ -137,7 +139,8 @@ TEST_P(RemainderJudgeOfBothKinds, SaysNothingIfTicksLeaveNothingOver) {
 // Less than what settles the kind, so that no single event decides.
 TEST_P(RemainderJudgeOfBothKinds, BoundsWhatOneTestCanSay) {
   double most = 0.0;
-  for (double rate = 0.2; rate < 7.5; rate += 0.01) {
+  for (int percent = 20; percent < 750; ++percent) {
+    const double rate = 0.01 * percent;
     RemainderJudge judge;
     Counter counter{GetParam(), 1};
     (void)one_test(judge, counter, Axis::distance, rate);

@@ -16,6 +16,8 @@
 
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_parameters.hpp"
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/robot/device.hpp"
