@@ -36,22 +36,8 @@ rt::Duration first_tick(std::size_t number) {
   return oi::kTick + static_cast<std::int64_t>(number) * kApart % oi::kTick;
 }
 
-// Empty if everything is in range.
-std::string complaint(const cargobay_sim_options& options) {
-  if (options.time < CARGOBAY_SIM_TIME_REAL || options.time > CARGOBAY_SIM_TIME_VIRTUAL)
-    return "`time` must be CARGOBAY_SIM_TIME_REAL or CARGOBAY_SIM_TIME_VIRTUAL";
-  if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
-    return "`remainder` must be one of enum cargobay_remainder";
-  if (options.boot_baud != 0 && !oi::kCreate.baud_code(options.boot_baud))
-    return "`boot_baud` must be one of the robot's rates: 57600, 19200, ...";
-  for (const void* reserved : options.reserved)
-    if (reserved != nullptr) return "`reserved` must be NULL";
-  if (options.beside != nullptr && options.world != nullptr)
-    return "it shares the world of `beside`; leave out `world`";
-  if (options.beside != nullptr && options.time != 0)
-    return "it shares the time of `beside`; leave out `time`";
-  if (options.time == CARGOBAY_SIM_TIME_VIRTUAL && options.link != nullptr)
-    return "in virtual time there is no pseudo-terminal to `link` to";
+// What is wrong with the wheels; empty if nothing.
+std::string complaint_about_wheels(const cargobay_sim_options& options) {
   const hal::Range lag_ns = hal::kLagS.times(kNsPerS);
   if (options.lag_ns != 0 && !lag_ns.contains(static_cast<double>(options.lag_ns)))
     return "`lag_ns` must be " + lag_ns.words() + ", or 0 for the default";
@@ -71,6 +57,25 @@ std::string complaint(const cargobay_sim_options& options) {
   if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
     return "`wheel_base_mm` must be " + hal::kWheelBaseMm.words() + ", or 0 for the default";
   return "";
+}
+
+// Empty if everything is in range.
+std::string complaint(const cargobay_sim_options& options) {
+  if (options.time < CARGOBAY_SIM_TIME_REAL || options.time > CARGOBAY_SIM_TIME_VIRTUAL)
+    return "`time` must be CARGOBAY_SIM_TIME_REAL or CARGOBAY_SIM_TIME_VIRTUAL";
+  if (options.remainder < CARGOBAY_REMAINDER_UNKNOWN || options.remainder > CARGOBAY_REMAINDER_LOST)
+    return "`remainder` must be one of enum cargobay_remainder";
+  if (options.boot_baud != 0 && !oi::kCreate.baud_code(options.boot_baud))
+    return "`boot_baud` must be one of the robot's rates: 57600, 19200, ...";
+  for (const void* reserved : options.reserved)
+    if (reserved != nullptr) return "`reserved` must be NULL";
+  if (options.beside != nullptr && options.world != nullptr)
+    return "it shares the world of `beside`; leave out `world`";
+  if (options.beside != nullptr && options.time != 0)
+    return "it shares the time of `beside`; leave out `time`";
+  if (options.time == CARGOBAY_SIM_TIME_VIRTUAL && options.link != nullptr)
+    return "in virtual time there is no pseudo-terminal to `link` to";
+  return complaint_about_wheels(options);
 }
 
 hal::sim::Parameters parameters(const cargobay_sim_options& options) {
