@@ -30,7 +30,8 @@ struct FaultCase {
   bool damages_commands = false;  // the robot may take one for another, or ignore it
   bool may_silence = false;       // or take it for one that makes it send less, or other frames
   Course course = Course::goes_on;
-  double most_error_mm_s = 100.0;  // of an estimate, at any tick
+  // Of an estimate, at any tick: also while nothing is known of the wheels yet.
+  double most_error_mm_s = 130.0;
 };
 
 namespace detail {
