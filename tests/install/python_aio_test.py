@@ -41,8 +41,11 @@ class Frames(unittest.IsolatedAsyncioTestCase):
         one, two = await asyncio.gather(self.take(100, after_tick=first),
                                         self.take(100, after_tick=first))
         self.assertEqual(one, two)
-        self.assertEqual(await self.lost(), 0)
-        self.assertEqual(one, [(tick, 0) for tick in range(first + 1, first + 101)])
+        # On a machine that stands still a frame may have no state, but never without being told.
+        before = first
+        for tick, skipped in one:
+            self.assertEqual(tick, before + 1 + skipped)
+            before = tick
 
     async def test_a_slow_one_gets_what_it_has_missed(self):
         self.robot.start()
