@@ -7,6 +7,7 @@ usage: python_test.py [LIBRARY]; by itself build/release/libcargobay.so.0, its g
 import copy
 import dataclasses
 import datetime
+import faulthandler
 import gc
 import math
 import os
@@ -386,6 +387,7 @@ class Rest(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    faulthandler.dump_traceback_later(280, exit=True)  # ctest ends it at 300 s, and says nothing
     unittest.main(module=None, argv=[
         sys.argv[0], "discover", "-s", str(pathlib.Path(__file__).parent), "-p", "python*_test.py",
         *sys.argv[1:]])
