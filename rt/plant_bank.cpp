@@ -36,8 +36,11 @@ constexpr int kMisfitsWhileChanging = 6;  // then a plant that is not known yet 
 constexpr float kWidenedSd = 0.1F;        // of a gain
 constexpr float kWidenedCorrelation = 0.8F;
 constexpr float kSteady = 0.15F;      // of the command: its changes, of late
+constexpr float kStillMmS = 0.5F;     // the same, of a robot that stands
 constexpr double kExcitationS = 0.5;  // how long a change counts as such
 constexpr double kFrozenS = 1.0;
+constexpr double kAlikeAfterS = 2.0;  // of steady commands: the slowest plant has settled
+constexpr int kMostTicks = 1'000'000;
 
 // Sums in four parts, so that the compiler can take four models at a time.
 constexpr std::size_t kLanes = 4;
@@ -129,6 +132,7 @@ void PlantBank::reset() CARGOBAY_NONBLOCKING {
   commands_ = {};
   excitation_ = 0.0F;
   frozen_ticks_ = 0;
+  steady_ticks_ = 0;
   driven_ = {};
   average();
 }
@@ -143,6 +147,7 @@ void PlantBank::step(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
   excitation_ =
       fade * excitation_ + std::abs(newest[0] - former[0]) + std::abs(newest[1] - former[1]);
   frozen_ticks_ = std::max(frozen_ticks_ - 1, 0);
+  steady_ticks_ = steady() ? std::min(steady_ticks_ + 1, kMostTicks) : 0;
   driven_ = {drive(wheels_[0], 0), drive(wheels_[1], 1)};
 }
 
@@ -220,7 +225,7 @@ void PlantBank::fade(std::size_t axis, float keep) CARGOBAY_NONBLOCKING {
 
 bool PlantBank::steady() const CARGOBAY_NONBLOCKING {
   const auto& newest = commands_[now_];
-  return excitation_ < kSteady * (std::abs(newest[0]) + std::abs(newest[1]));
+  return excitation_ < kSteady * (std::abs(newest[0]) + std::abs(newest[1])) + kStillMmS;
 }
 
 // What all models foresee alike and does not come true is not the plant, but its load.
@@ -278,7 +283,10 @@ void PlantBank::learn(float by_left, const Values& left_way, float by_right,
   const Values left_ways = left_way;
   const Values right_ways = right_way;
   const float variance = seen.variance;
-  const float weighs = frozen_ticks_ == 0 ? 1.0F : 0.0F;
+  // Once all models foresee the same, a reading says nothing of the plant, and the little that it
+  // seems to say, or the share of the prior, would add up.
+  const bool alike = steady_ticks_ * parameters_.tick_s > kAlikeAfterS;
+  const float weighs = frozen_ticks_ == 0 && !alike ? 1.0F : 0.0F;
   // A reading that an interval expected teaches nothing.
   const float least_miss = seen.lost ? 0.0F : -1.0F;
   for (std::size_t i = 0; i < kModels; ++i) {
@@ -302,9 +310,10 @@ void PlantBank::learn(float by_left, const Values& left_way, float by_right,
     weight_[i] *= weighs * fits + (1.0F - weighs);
   }
   const float whole = sum<kModels>([&](std::size_t i) CARGOBAY_NONBLOCKING { return weight_[i]; });
-  const float keep = (1.0F - kShare) / whole;
+  const float share = alike ? 0.0F : kShare;
+  const float keep = (1.0F - share) / whole;
   for (std::size_t i = 0; i < kModels; ++i) {
-    weight_[i] = keep * weight_[i] + kShare * grid_.prior[i];
+    weight_[i] = keep * weight_[i] + share * grid_.prior[i];
   }
 }
 

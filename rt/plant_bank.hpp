@@ -137,6 +137,7 @@ class PlantBank {
   std::size_t now_ = 0;      // the newest of them
   float excitation_ = 0.0F;  // mm/s: changes of the command, fading
   int frozen_ticks_ = 0;     // left, in which nothing is concluded about the plant
+  int steady_ticks_ = 0;
   PlantEstimate estimate_{};
   WheelSpeeds driven_{};
 };

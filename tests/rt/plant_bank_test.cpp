@@ -183,6 +183,20 @@ TEST_P(PlantBankOfBothKinds, TakesALoadForAGain) {
   }
 }
 
+// However long there is nothing to learn.
+TEST_P(PlantBankOfBothKinds, ForgetsNothingWhileItStandsOrDrivesSteadily) {
+  for (const WheelSpeeds command : {WheelSpeeds{}, {180.0, 180.0}}) {
+    Watch watch{{.remainder = GetParam(), .noise_mm_s = 0.0, .lag_s = 0.250}};
+    watch.drive_about(5, 60.0);
+    watch.run(command, 200);
+    const PlantEstimate before = watch.estimate();
+    ASSERT_NEAR(before.lag_s, 0.250, 0.05);
+    watch.run(command, 40'000);  // ten minutes
+    EXPECT_NEAR(watch.estimate().lag_s, before.lag_s, 0.01) << command.left_mm_s;
+    EXPECT_NEAR(watch.estimate().gain_left, before.gain_left, 0.03) << command.left_mm_s;
+  }
+}
+
 // Long after it was sure of another: every model has kept a small share.
 TEST_P(PlantBankOfBothKinds, FindsAPlantThatHasChanged) {
   Watch watch{{.remainder = GetParam(), .noise_mm_s = 0.0}};
