@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "rt/learnt_plant.hpp"
 #include "rt/nonblocking.hpp"
 #include "rt/remainder.hpp"
 #include "rt/wheel_speeds.hpp"
@@ -52,6 +53,9 @@ class PlantBank {
   explicit PlantBank(const Parameters& parameters);
 
   void reset() CARGOBAY_NONBLOCKING;
+  // Call directly after reset(). What an earlier drive learnt is likely, no more: it is mixed into
+  // what the bank begins with. Does nothing if the bank is told.
+  void begin_from(const LearntPlant& prior) CARGOBAY_NONBLOCKING;
 
   // One tick of the robot, in which `command` was sent in answer to the frame before.
   void step(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
@@ -64,6 +68,8 @@ class PlantBank {
   bool steady() const CARGOBAY_NONBLOCKING;
 
   const PlantEstimate& estimate() const CARGOBAY_NONBLOCKING { return estimate_; }
+  // The same with all spreads, but nothing of the remainder or of time. Looks at every model.
+  LearntPlant learnt() const CARGOBAY_NONBLOCKING;
   // What the wheels were driven at in the last tick, before gain and lag: the command after dead
   // time and ramp, mean of the tick.
   const WheelSpeeds& driven() const CARGOBAY_NONBLOCKING { return driven_; }

@@ -85,9 +85,11 @@ void WheelEstimator::reset() CARGOBAY_NONBLOCKING {
   carried_likelihood_ = 0.0;
   lost_likelihood_ = 0.0;
   bank_.reset();
+  if (parameters_.prior) bank_.begin_from(*parameters_.prior);
   judge_.doubt();
   zeros_ = 0;
   command_unsure_ = 0;
+  moved_ticks_ = 0;
   ticks_since_read_ = 0;
   gone_through_ = 0;
   reading_unsure_ = true;  // the first reading counts from the robot's last read, whenever that was
@@ -105,6 +107,7 @@ void WheelEstimator::reset() CARGOBAY_NONBLOCKING {
 void WheelEstimator::predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
   const WheelSpeeds now = speeds();
   bank_.step(command);
+  if (command != WheelSpeeds{}) ++moved_ticks_;
   command_unsure_ = std::max(command_unsure_ - 1, 0);
   const PlantEstimate& plant = bank_.estimate();
   const WheelSpeeds driven{plant.gain_left * bank_.driven().left_mm_s,
@@ -209,7 +212,28 @@ void WheelEstimator::weigh(double by_counts, double by_filters) CARGOBAY_NONBLOC
 
 void WheelEstimator::set_log_odds(double log_odds) CARGOBAY_NONBLOCKING {
   log_odds_ = log_odds;
-  carried_weight_ = 1.0 / (1.0 + std::exp(-log_odds));
+  carried_weight_ = 1.0 / (1.0 + std::exp(-log_odds - prior_log_odds()));
+}
+
+// Of the kind that the prior names. No evidence: it decides nothing, and a wrong one costs no more
+// than not to know.
+double WheelEstimator::prior_log_odds() const CARGOBAY_NONBLOCKING {
+  constexpr double kPrior = 2.0;
+  if (!parameters_.prior || parameters_.remainder) return 0.0;
+  switch (parameters_.prior->remainder) {
+    case RemainderBelief::carried: return kPrior;
+    case RemainderBelief::lost: return -kPrior;
+    case RemainderBelief::unknown: break;
+  }
+  return 0.0;
+}
+
+LearntPlant WheelEstimator::learnt() const CARGOBAY_NONBLOCKING {
+  LearntPlant learnt = bank_.learnt();
+  learnt.remainder = belief_;
+  learnt.log_odds_carried = log_odds_;
+  learnt.moved_s = static_cast<double>(moved_ticks_) * parameters_.tick_s;
+  return learnt;
 }
 
 WheelSpeeds WheelEstimator::mix(double (AxisFilter::*value)() const CARGOBAY_NONBLOCKING) const

@@ -36,6 +36,9 @@ class WheelEstimator {
     std::optional<Remainder> remainder{};
     // How the wheels answer, if that is known for certain; if empty, it is learnt.
     std::optional<PlantEstimate> told{};
+    // What an earlier drive learnt: where this one begins, as far as it is believed. Its kind of
+    // remainder only weighs the two speeds until the readings have decided.
+    std::optional<LearntPlant> prior{};
   };
 
   // What a frame said about the counters.
@@ -74,6 +77,9 @@ class WheelEstimator {
   RemainderBelief belief() const CARGOBAY_NONBLOCKING { return belief_; }
   // What is known of the wheels and their motors.
   const PlantEstimate& plant() const CARGOBAY_NONBLOCKING { return bank_.estimate(); }
+  // The same with all spreads, the kind of remainder and how long the wheels have been told to
+  // move. Takes about as long as a tick.
+  LearntPlant learnt() const CARGOBAY_NONBLOCKING;
   // By how much the wheels end up faster than that alone would make them.
   WheelSpeeds disturbances() const CARGOBAY_NONBLOCKING;
   // Whether much speaks for it.
@@ -111,6 +117,7 @@ class WheelEstimator {
   void read_unseen() CARGOBAY_NONBLOCKING;
   void weigh(double by_counts, double by_filters) CARGOBAY_NONBLOCKING;
   void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
+  double prior_log_odds() const CARGOBAY_NONBLOCKING;
 
   Travel take_travel(Hypothesis& hypothesis) const CARGOBAY_NONBLOCKING;
 
@@ -125,10 +132,11 @@ class WheelEstimator {
   double counts_say_ = 0.0;
   double filters_say_ = 0.0;
   double log_odds_ = 0.0;
-  double carried_weight_ = 0.5;  // the same odds as a probability
+  double carried_weight_ = 0.5;  // the same odds as a probability, with those of the prior
   double carried_likelihood_ = 0.0;
   double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;
+  std::int64_t moved_ticks_ = 0;
   int ticks_since_read_ = 0;
   int gone_through_ = 0;         // frames to come whose ticks step_lost() has counted
   bool reading_unsure_ = false;  // a read may have gone unseen: the next one says nothing

@@ -60,6 +60,7 @@ class WheelLoop {
   bool sure() const CARGOBAY_NONBLOCKING { return estimator_.sure(); }
   // What is known of the wheels and their motors.
   const PlantEstimate& plant() const CARGOBAY_NONBLOCKING { return estimator_.plant(); }
+  LearntPlant learnt() const CARGOBAY_NONBLOCKING { return estimator_.learnt(); }
   // Call once a tick. Whether the frame of the next tick should read the counters.
   bool next_reads() CARGOBAY_NONBLOCKING;
 

@@ -45,6 +45,9 @@ std::size_t ControlCycle::spare_bytes() const CARGOBAY_NONBLOCKING {
 std::optional<CycleState> ControlCycle::state() const CARGOBAY_NONBLOCKING {
   return pass_->outlets_.state.get();
 }
+std::optional<rt::LearntPlant> ControlCycle::learnt() const CARGOBAY_NONBLOCKING {
+  return pass_->outlets_.learnt.get();
+}
 bool ControlCycle::next_state(CycleState& state) CARGOBAY_NONBLOCKING {
   return pass_->outlets_.history.pop(state);
 }

@@ -18,6 +18,7 @@ enum class PacketId : std::uint8_t;
 }  // namespace cargobay::oi
 namespace cargobay::rt {
 class Histogram;
+struct LearntPlant;
 struct WheelSpeeds;
 }  // namespace cargobay::rt
 
@@ -103,6 +104,9 @@ class ControlCycle {
 
   // From any thread.
   std::optional<CycleState> state() const CARGOBAY_NONBLOCKING;
+  // From any thread: what the loop has learnt of the wheels, a quarter of a second old at most;
+  // nothing before the first frames.
+  std::optional<rt::LearntPlant> learnt() const CARGOBAY_NONBLOCKING;
   // From one other thread: the states of all ticks, oldest first; false when there are no more.
   bool next_state(CycleState& state) CARGOBAY_NONBLOCKING;
   // The same for the events.

@@ -9,6 +9,7 @@
 #include "hal/sensing/sensor_board.hpp"
 #include "rt/clock.hpp"
 #include "rt/histogram.hpp"
+#include "rt/learnt_plant.hpp"
 #include "rt/mailbox.hpp"
 #include "rt/nonblocking.hpp"
 #include "rt/ring.hpp"
@@ -31,6 +32,7 @@ struct CycleOutlets {
   SensorBoard board{};                           // any thread
   rt::Mailbox<CycleState> state{};               // any thread
   rt::Mailbox<CycleCounters> counters{};         // any thread
+  rt::Mailbox<rt::LearntPlant> learnt{};         // any thread
   rt::Histogram period_ns{};                     // snapshots, any thread
   rt::Histogram frame_to_command_ns{};           // the same
   rt::SpscRing<CycleState, kHistory> history{};  // one other thread

@@ -12,6 +12,9 @@ namespace {
 
 // A frame's bytes may be handed over this long after its last bit.
 constexpr rt::Duration kHandOver = std::chrono::milliseconds{1};
+// What was learnt is published so often, a few times a second: it changes slowly, and to sum it up
+// takes as long as half a tick's work.
+constexpr std::int64_t kLearntEvery = 16;  // ticks
 
 rt::Duration tick_of(const CycleParameters& parameters) {
   return rt::Duration{std::llround(parameters.loop.estimator.tick_s * 1e9)};
@@ -67,6 +70,7 @@ bool CyclePass::pass() CARGOBAY_NONBLOCKING {
 
 CycleEnd CyclePass::finish() CARGOBAY_NONBLOCKING {
   stop_wheels();
+  outlets_.learnt.put(loop_.learnt());
   return end_;
 }
 
@@ -161,6 +165,7 @@ CyclePass::Step CyclePass::answer(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   if (period) outlets_.period_ns.record(static_cast<std::uint64_t>(period->count()));
   if (doubtful) return step;
   outlets_.publish(state, counters_);
+  if (state.tick % kLearntEvery == 0) outlets_.learnt.put(loop_.learnt());
   if (observer_.function != nullptr) observer_.function(observer_.context, state);
   return step;
 }

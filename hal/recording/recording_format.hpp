@@ -27,7 +27,7 @@ namespace cargobay::hal {
 // The last four bytes are there to be spoilt by anything that takes the file for text.
 inline constexpr std::array<std::uint8_t, 8> kRecordingMagic{'C',  'B',  'R',  'E',
                                                              '\r', '\n', 0x1A, '\n'};
-inline constexpr std::uint16_t kRecordingVersion = 2;
+inline constexpr std::uint16_t kRecordingVersion = 3;
 inline constexpr std::size_t kMostHeaderBytes = 65536;  // of its rest
 inline constexpr std::size_t kBlockHeadBytes = 16;
 inline constexpr std::size_t kMostBlockBytes = 2048;     // of its entries

@@ -39,7 +39,7 @@ class HeaderFields {
   }
   void operator()(rt::WheelEstimator::Parameters& it) {
     all(it, it.wheel_base_mm, it.tick_s, it.likely_lag_s, it.input_delay_s, it.speed_noise_mm_s,
-        it.decision_log_odds, it.remainder, it.told);
+        it.decision_log_odds, it.remainder, it.told, it.prior);
   }
   void operator()(rt::VelocityController::Parameters& it) {
     all(it, it.max_command_mm_s, it.overshoot_share, it.overshoot_mm_s);
@@ -84,7 +84,14 @@ class HeaderFields {
     all(it, it.lag_s, it.dead_time_s, it.ramp_s2_mm, it.gain_left, it.gain_right, it.lag_sd_s,
         it.gain_sd);
   }
-  void operator()(std::optional<rt::PlantEstimate>& value) {
+  void operator()(rt::LearntPlant& it) {
+    all(it, it.lag_s, it.lag_sd_s, it.dead_time_s, it.dead_time_sd_s, it.ramp_s2_mm,
+        it.ramp_sd_s2_mm, it.gain_left, it.gain_left_sd, it.gain_right, it.gain_right_sd,
+        it.remainder, it.log_odds_carried, it.moved_s);
+  }
+  void operator()(rt::RemainderBelief& value) { io_.up_to(value, rt::RemainderBelief::lost); }
+  template <typename Plant>
+  void operator()(std::optional<Plant>& value) {
     int known = value ? 1 : 0;
     io_.up_to(known, 1);
     if (known == 0) return;
@@ -120,6 +127,7 @@ bool sensible(const RecordingHeader& header) {
   return header.baud >= 300 && header.baud <= 1'000'000 && loop.estimator.wheel_base_mm > 0.0 &&
          loop.estimator.tick_s > 0.0 && loop.estimator.likely_lag_s > 0.0 &&
          (!loop.estimator.told || loop.estimator.told->lag_s > 0.0) &&
+         (!loop.estimator.prior || loop.estimator.prior->lag_s > 0.0) &&
          loop.limits.acceleration_mm_s2 > 0.0 && loop.limits.jerk_mm_s3 >= 0.0 &&
          loop.schedule.least_window_ticks <= loop.schedule.window_ticks;
 }

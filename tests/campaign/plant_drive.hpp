@@ -30,10 +30,13 @@ struct Driven {
   TruePose truth{};
   rt::OdometryPose pose{};
   rt::PoseCovariance covariance{};
+  rt::LearntPlant learnt{};
 };
 struct How {
   bool told = false;  // the loop knows plant and kind
   std::optional<double> load_at_s{};
+  std::optional<rt::LearntPlant> prior{};  // of an earlier drive
+  std::optional<double> wheel_base_mm{};   // as the loop has it; none: its default
 };
 
 inline rt::WheelLoop::Parameters told(const PlantValues& plant) {
@@ -51,7 +54,10 @@ inline rt::WheelLoop::Parameters told(const PlantValues& plant) {
 inline Driven drive(const PlantValues& plant, std::uint64_t seed, double seconds,
                     const Target& target, const How& how = {}) {
   PlantRobot robot{plant, seed};
-  rt::WheelLoop loop{how.told ? told(plant) : rt::WheelLoop::Parameters{}};
+  rt::WheelLoop::Parameters parameters = how.told ? told(plant) : rt::WheelLoop::Parameters{};
+  parameters.estimator.prior = how.prior;
+  if (how.wheel_base_mm) parameters.estimator.wheel_base_mm = *how.wheel_base_mm;
+  rt::WheelLoop loop{parameters};
   rt::BothOdometries odometry{{}};
   Driven driven;
   bool reads = true;
@@ -72,6 +78,7 @@ inline Driven drive(const PlantValues& plant, std::uint64_t seed, double seconds
                              .truth = robot.speeds(),
                              .belief = loop.belief()});
   }
+  driven.learnt = loop.learnt();
   driven.truth = robot.pose();
   driven.pose = odometry.now().pose();
   driven.covariance = odometry.now().covariance();

@@ -29,6 +29,7 @@ struct PlantValues {
   double dead_band_mm_s = 10.0;
   double step_mm_s = 0.0;  // 0: none
   double noise_mm_s = 1.0;
+  double wheel_base_mm = 258.0;
   rt::Remainder remainder = rt::Remainder::carried;
   bool counts_by_command = false;  // with the sign of the command, whichever way the wheel rolls
 };
@@ -138,7 +139,7 @@ class PlantRobot {
     read_left_mm_ = left_.counted_mm;
     read_right_mm_ = right_.counted_mm;
     distance_mm_ += 0.5 * (left_mm + right_mm);
-    angle_deg_ += (right_mm - left_mm) / kWheelBaseMm * 180.0 / std::numbers::pi;
+    angle_deg_ += (right_mm - left_mm) / plant_.wheel_base_mm * 180.0 / std::numbers::pi;
     return {.distance_mm = take(distance_mm_), .angle_deg = take(angle_deg_)};
   }
 
@@ -148,7 +149,6 @@ class PlantRobot {
   const TruePose& pose() const { return pose_; }
 
  private:
-  static constexpr double kWheelBaseMm = 258.0;
   static constexpr double kNoiseLagS = 0.150;
 
   void wander() {
@@ -159,7 +159,7 @@ class PlantRobot {
     }
   }
   void move(double left_mm, double right_mm) {
-    const double turn_rad = (right_mm - left_mm) / kWheelBaseMm;
+    const double turn_rad = (right_mm - left_mm) / plant_.wheel_base_mm;
     const double middle_rad = pose_.heading_rad + 0.5 * turn_rad;
     pose_.x_mm += 0.5 * (left_mm + right_mm) * std::cos(middle_rad);
     pose_.y_mm += 0.5 * (left_mm + right_mm) * std::sin(middle_rad);

@@ -249,5 +249,83 @@ TEST_P(PlantBankOfBothKinds, BeginsAgainAfterAReset) {
   EXPECT_TRUE(same());
 }
 
+LearntPlant prior_of(double lag_s, double gain) {
+  return {.lag_s = lag_s,
+          .lag_sd_s = 0.01,
+          .dead_time_sd_s = 0.01,
+          .ramp_sd_s2_mm = 1e-4,
+          .gain_left = gain,
+          .gain_left_sd = 0.01,
+          .gain_right = gain,
+          .gain_right_sd = 0.01};
+}
+
+// It moves the mean, and the mean only so far that nothing is taken for known.
+TEST(PlantBankWithPrior, BeginsBetweenIt) {
+  PlantBank bank{{}};
+  const PlantEstimate without = bank.estimate();
+  bank.begin_from(prior_of(0.360, 0.70));
+  EXPECT_GT(bank.estimate().lag_s, without.lag_s);
+  EXPECT_LT(bank.estimate().lag_s, 0.360);
+  EXPECT_LT(bank.estimate().gain_left, without.gain_left);
+  EXPECT_GT(bank.estimate().gain_left, 0.70);
+  EXPECT_GT(bank.estimate().gain_sd, 0.1);
+  EXPECT_GT(bank.estimate().lag_sd_s, 0.05);
+}
+
+TEST(PlantBankWithPrior, KnowsSoonerWhatItHasDrivenBefore) {
+  PlantParameters plant;
+  plant.lag_s = 0.300;
+  plant.gain_left = 0.70;
+  plant.gain_right = 0.66;
+  Watch first{plant};
+  first.drive_about(3, 20.0);
+  Watch again{plant};
+  again.bank().begin_from(first.bank().learnt());
+  Watch fresh{plant};
+  for (Watch* watch : {&again, &fresh}) watch->run({200, 200}, 25);
+  EXPECT_LT(std::abs(again.estimate().gain_left - plant.gain_left), 0.05);
+  EXPECT_LT(again.estimate().gain_sd, fresh.estimate().gain_sd);
+  EXPECT_LT(std::abs(again.estimate().lag_s - plant.lag_s),
+            std::abs(fresh.estimate().lag_s - plant.lag_s));
+}
+
+TEST(PlantBankWithPrior, GetsOverAWrongOne) {
+  PlantParameters plant;
+  plant.lag_s = 0.060;
+  plant.gain_left = plant.gain_right = 1.1;
+  Watch watch{plant};
+  watch.bank().begin_from(prior_of(0.500, 0.60));
+  watch.drive_about(5, 5.0);
+  EXPECT_NEAR(watch.estimate().gain_left, 1.1, 0.03);
+  EXPECT_NEAR(watch.estimate().gain_right, 1.1, 0.03);
+  EXPECT_NEAR(watch.estimate().lag_s, 0.060, 0.02);
+}
+
+TEST(PlantBankWithPrior, DoesNotDependOnOneThatNoModelIsLike) {
+  PlantBank bank{{}};
+  const PlantEstimate without = bank.estimate();
+  LearntPlant far = prior_of(0.100, 0.9);
+  far.dead_time_s = 5.0;
+  bank.begin_from(far);
+  EXPECT_EQ(bank.estimate().lag_s, without.lag_s);
+  EXPECT_EQ(bank.estimate().gain_left, without.gain_left);
+}
+
+TEST(PlantBankWithPrior, StatesEverySpread) {
+  Watch watch{{}};
+  const LearntPlant before = watch.bank().learnt();
+  watch.drive_about(7, 20.0);
+  const LearntPlant after = watch.bank().learnt();
+  for (const auto spread :
+       {&LearntPlant::lag_sd_s, &LearntPlant::dead_time_sd_s, &LearntPlant::ramp_sd_s2_mm,
+        &LearntPlant::gain_left_sd, &LearntPlant::gain_right_sd}) {
+    EXPECT_GT(before.*spread, 0.0);
+    EXPECT_LT(after.*spread, 0.6 * before.*spread);
+  }
+  EXPECT_EQ(after.lag_s, watch.estimate().lag_s);
+  EXPECT_EQ(after.gain_right, watch.estimate().gain_right);
+}
+
 }  // namespace
 }  // namespace cargobay::rt

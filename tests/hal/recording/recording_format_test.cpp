@@ -43,7 +43,20 @@ RecordingHeader every_parameter() {
                                                            .gain_left = 0.91,
                                                            .gain_right = 0.93,
                                                            .lag_sd_s = 0.011,
-                                                           .gain_sd = 0.012}},
+                                                           .gain_sd = 0.012},
+                                 .prior = rt::LearntPlant{.lag_s = 0.103,
+                                                          .lag_sd_s = 0.013,
+                                                          .dead_time_s = 0.031,
+                                                          .dead_time_sd_s = 0.014,
+                                                          .ramp_s2_mm = 0.0041,
+                                                          .ramp_sd_s2_mm = 0.0015,
+                                                          .gain_left = 0.94,
+                                                          .gain_left_sd = 0.016,
+                                                          .gain_right = 0.95,
+                                                          .gain_right_sd = 0.017,
+                                                          .remainder = rt::RemainderBelief::lost,
+                                                          .log_odds_carried = -12.5,
+                                                          .moved_s = 18.25}},
                    .controller = {.max_command_mm_s = 499.0,
                                   .overshoot_share = 0.061,
                                   .overshoot_mm_s = 10.1},
@@ -113,20 +126,22 @@ Bytes every_kind() {
   return file;
 }
 
-// What version 1 has for these, since its first writer.
+// What version 3 has for these, since its first writer.
 constexpr std::string_view kEveryKind =
-    "434252450d0a1a0a020029010000004b00000100b49376e2fa180e00636172676f62617920312e322e330a00"
-    "746f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcc"
-    "cccccccc00406666666666661c400201e9263108ac1cba3fb81e85eb51b89e3ffca9f1d24d62703f1f85eb51"
-    "b81eed3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f0000000000307f4008ac1c5a643baf3f"
-    "3333333333332440290000000b0000000c0000000d0000000500000015000000790000003d000000c9000000"
-    "e90300000000000000388f40000000000088b3400103284f4c0000000000c013000900000000400caa3b0000"
-    "000040a7dc1d0000000068881e0000000000090000000191330000e9350000295c8fc2f528bc3f7b14ae47e1"
-    "7ac43f7c3e7d98060000000000000000000000000000000280d0acf30e1d78e9088a0000000100000000286b"
-    "ee000000000101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c000"
-    "00000000000c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff000000000000008059"
-    "f3f8c21f6ea501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f0000000000"
-    "00594000000000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
+    "434252450d0a1a0a03008b010000004b00000100b49376e2fa180e00636172676f62617920312e322e330a0074"
+    "6f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcccccc"
+    "cccc00406666666666661c400201e9263108ac1cba3fb81e85eb51b89e3ffca9f1d24d62703f1f85eb51b81eed"
+    "3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f0191ed7c3f355eba3f39b4c876be9f8a3f5839b4"
+    "c876be9f3f79e9263108ac8c3f091b9e5e29cb703ffa7e6abc7493583f14ae47e17a14ee3ffca9f1d24d62903f"
+    "666666666666ee3f9cc420b07268913f0200000000000029c000000000004032400000000000307f4008ac1c5a"
+    "643baf3f3333333333332440290000000b0000000c0000000d0000000500000015000000790000003d000000c9"
+    "000000e90300000000000000388f40000000000088b3400103284f4c0000000000c013000900000000400caa3b"
+    "0000000040a7dc1d0000000068881e0000000000090000000191330000e9350000295c8fc2f528bc3f7b14ae47"
+    "e17ac43f663fc897060000000000000000000000000000000280d0acf30e1d78e9088a0000000100000000286b"
+    "ee000000000101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c00000"
+    "000000000c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff000000000000008059f3f8"
+    "c21f6ea501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f0000000000005940"
+    "00000000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
 
 Bytes bytes_of(std::string_view hex) {
   Bytes bytes;
@@ -163,6 +178,22 @@ void expect_same(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
   EXPECT_EQ(a.gain_sd, b.gain_sd);
 }
 
+void expect_same(const rt::LearntPlant& a, const rt::LearntPlant& b) {
+  EXPECT_EQ(a.lag_s, b.lag_s);
+  EXPECT_EQ(a.lag_sd_s, b.lag_sd_s);
+  EXPECT_EQ(a.dead_time_s, b.dead_time_s);
+  EXPECT_EQ(a.dead_time_sd_s, b.dead_time_sd_s);
+  EXPECT_EQ(a.ramp_s2_mm, b.ramp_s2_mm);
+  EXPECT_EQ(a.ramp_sd_s2_mm, b.ramp_sd_s2_mm);
+  EXPECT_EQ(a.gain_left, b.gain_left);
+  EXPECT_EQ(a.gain_left_sd, b.gain_left_sd);
+  EXPECT_EQ(a.gain_right, b.gain_right);
+  EXPECT_EQ(a.gain_right_sd, b.gain_right_sd);
+  EXPECT_EQ(a.remainder, b.remainder);
+  EXPECT_EQ(a.log_odds_carried, b.log_odds_carried);
+  EXPECT_EQ(a.moved_s, b.moved_s);
+}
+
 void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parameters& b) {
   EXPECT_EQ(a.estimator.wheel_base_mm, b.estimator.wheel_base_mm);
   EXPECT_EQ(a.estimator.tick_s, b.estimator.tick_s);
@@ -173,6 +204,8 @@ void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parame
   EXPECT_EQ(a.estimator.remainder, b.estimator.remainder);
   ASSERT_EQ(a.estimator.told.has_value(), b.estimator.told.has_value());
   if (a.estimator.told) expect_same(*a.estimator.told, *b.estimator.told);
+  ASSERT_EQ(a.estimator.prior.has_value(), b.estimator.prior.has_value());
+  if (a.estimator.prior) expect_same(*a.estimator.prior, *b.estimator.prior);
   EXPECT_EQ(a.controller.max_command_mm_s, b.controller.max_command_mm_s);
   EXPECT_EQ(a.controller.overshoot_share, b.controller.overshoot_share);
   EXPECT_EQ(a.controller.overshoot_mm_s, b.controller.overshoot_mm_s);

@@ -136,7 +136,7 @@ TEST(Recording, IsNoneWhereItHasNotTheMagic) {
 TEST(Recording, IsOfThisVersionOnly) {
   Bytes file = drive();
   file[kRecordingMagic.size()] = 9;
-  EXPECT_TRUE(says(complaint_about(file), "version 9, and this program reads version 2"));
+  EXPECT_TRUE(says(complaint_about(file), "version 9, and this program reads version 3"));
 }
 
 // As if the power had failed at any byte.
