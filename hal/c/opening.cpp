@@ -10,6 +10,7 @@
 #include "hal/c/errors.hpp"
 #include "hal/c/handles.hpp"
 #include "hal/config/config.hpp"
+#include "hal/config/setting_table.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/file/file_place.hpp"
 #include "hal/port/open_port.hpp"
@@ -20,10 +21,10 @@
 namespace cargobay::c {
 namespace {
 
-constexpr std::uint32_t kKnownFlags = CARGOBAY_FLAG_REQUIRE_REALTIME | CARGOBAY_FLAG_NO_REALTIME |
-                                      CARGOBAY_FLAG_NO_GUARD | CARGOBAY_FLAG_HOLD_ON_MODE_LOSS |
-                                      CARGOBAY_FLAG_OPEN_LOOP | CARGOBAY_FLAG_PIN_CPU |
-                                      CARGOBAY_FLAG_NO_CONFIG;
+constexpr std::uint32_t kKnownFlags =
+    CARGOBAY_FLAG_REQUIRE_REALTIME | CARGOBAY_FLAG_NO_REALTIME | CARGOBAY_FLAG_NO_GUARD |
+    CARGOBAY_FLAG_HOLD_ON_MODE_LOSS | CARGOBAY_FLAG_OPEN_LOOP | CARGOBAY_FLAG_PIN_CPU |
+    CARGOBAY_FLAG_NO_CONFIG;
 constexpr int kLeastDescriptor = 3;
 
 bool has(const cargobay_options& options, cargobay_flag flag) {
@@ -35,35 +36,45 @@ struct Number {
   const char* name = "";
   double value = 0.0;
   hal::Range range{};
+  std::span<const hal::Mistake> mistakes{};
   bool negative_is_none = false;
 };
+
+// A number that the configuration has too.
+Number setting(const char* name, double value, bool negative_is_none = false) {
+  const hal::Setting& row = hal::setting_named(name);
+  return {name, value, row.range.value_or(hal::Range{}), row.mistakes, negative_is_none};
+}
+Number time(const char* name, std::int64_t time_ns, const hal::Range& range_ns) {
+  return {name, static_cast<double>(time_ns), range_ns, hal::kNotNs};
+}
 
 // Empty if everything is in range.
 std::string out_of_range(const cargobay_options& options) {
   constexpr double kNsPerMs = 1e6;
   constexpr double kNsPerUs = 1e3;
-  const auto ns = [](std::int64_t time) { return static_cast<double>(time); };
   for (const Number& number : std::to_array<Number>({
-           {"priority", static_cast<double>(options.priority), hal::kPriority, true},
+           setting("priority", static_cast<double>(options.priority), true),
            {"control_overruns", static_cast<double>(options.control_overruns),
             hal::kControlOverruns},
-           {"setpoint_lapse_ns", ns(options.setpoint_lapse_ns),
-            hal::kSetpointLapseMs.times(kNsPerMs)},
-           {"control_budget_ns", ns(options.control_budget_ns),
-            hal::kControlBudgetUs.times(kNsPerUs)},
-           {"link_timeout_ns", ns(options.link_timeout_ns), hal::kLinkTimeoutMs.times(kNsPerMs)},
-           {"guard_deadline_ns", ns(options.guard_deadline_ns),
-            hal::kGuardDeadlineMs.times(kNsPerMs)},
-           {"acceleration_mm_s2", options.acceleration_mm_s2, hal::kAccelerationMmS2},
-           {"jerk_mm_s3", options.jerk_mm_s3, hal::kJerkMmS3, true},
-           {"wheel_base_mm", options.wheel_base_mm, hal::kWheelBaseMm},
-           {"distance_scale", options.distance_scale, hal::kScale},
-           {"turn_scale", options.turn_scale, hal::kScale},
+           time("setpoint_lapse_ns", options.setpoint_lapse_ns,
+                hal::kSetpointLapseMs.times(kNsPerMs)),
+           time("control_budget_ns", options.control_budget_ns,
+                hal::kControlBudgetUs.times(kNsPerUs)),
+           time("link_timeout_ns", options.link_timeout_ns, hal::kLinkTimeoutMs.times(kNsPerMs)),
+           time("guard_deadline_ns", options.guard_deadline_ns,
+                hal::kGuardDeadlineMs.times(kNsPerMs)),
+           setting("acceleration_mm_s2", options.acceleration_mm_s2),
+           setting("jerk_mm_s3", options.jerk_mm_s3, true),
+           setting("wheel_base_mm", options.wheel_base_mm),
+           setting("distance_scale", options.distance_scale),
+           setting("turn_scale", options.turn_scale),
        })) {
     if (number.value == 0.0 || (number.negative_is_none && number.value < 0.0)) continue;
     if (!number.range.contains(number.value)) {
       return "`" + std::string{number.name} + "` must be " + number.range.words() +
-             (number.negative_is_none ? ", negative for none," : ",") + " or 0 for the default";
+             (number.negative_is_none ? ", negative for none," : ",") + " or 0 for the default" +
+             hal::likely_meaning(number.range, number.mistakes, number.value);
     }
   }
   return "";

@@ -21,6 +21,7 @@
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/config/config_edit.hpp"
 #include "hal/file/read_input.hpp"
+#include "hal/range.hpp"
 #include "hal/robot/calibration.hpp"
 #include "hal/robot/robot.hpp"
 
@@ -138,7 +139,8 @@ hal::Result<void> write_config(const std::string& file, const hal::CalibrationRe
 hal::Result<void> check(const CalibrateOptions& options, Outputs& outputs) {
   if (!(options.speed_mm_s >= 100.0 && options.speed_mm_s <= 400.0)) {
     return hal::Failure{
-        fmt::format("--speed {:g} is not between 100 and 400 mm/s", options.speed_mm_s)};
+        fmt::format("--speed {:g} is not between 100 and 400 mm/s{}", options.speed_mm_s,
+                    hal::likely_meaning({100.0, 400.0}, hal::kNotMmS, options.speed_mm_s))};
   }
   if (options.write_file == "-")
     return hal::Failure{"--write needs the name of a file, such as /etc/cargobay.toml"};

@@ -71,6 +71,17 @@ Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
           }};
 }
 
+// Rates are said in thousands, and round: 57 or 115.2.
+std::string likely_rate(double value) {
+  constexpr double kThousand = 1e3;
+  constexpr double kNear = 0.02;
+  for (const std::uint32_t rate : oi::kCreate.baud_rates) {
+    if (std::abs(value * kThousand - rate) <= kNear * rate)
+      return "; thousands? did you mean " + std::to_string(rate);
+  }
+  return "";
+}
+
 // Takes the value of a setting, by the type of its member.
 struct TakeSetting {
   const Setting& setting;
@@ -88,8 +99,10 @@ struct TakeSetting {
     const bool fits = number != nullptr && number->get() >= 0 &&
                       number->get() <= std::numeric_limits<std::int32_t>::max();
     const auto baud = fits ? static_cast<std::uint32_t>(number->get()) : 0U;
-    if (!oi::kCreate.baud_code(baud))
-      return "must be one of the robot's rates, such as 57600 or 19200";
+    if (!oi::kCreate.baud_code(baud)) {
+      return "must be one of the robot's rates, such as 57600 or 19200" +
+             likely_rate(node.value<double>().value_or(0.0));
+    }
     config.*member = baud;
     return std::nullopt;
   }
@@ -98,7 +111,9 @@ struct TakeSetting {
     const Range range = setting.range.value_or(Range{});
     if (!number || !range.contains(*number)) {
       const std::string unit = setting.unit.empty() ? "" : "in " + std::string{setting.unit} + ", ";
-      return "must be a number from " + range.words() + ", " + unit + std::string{setting.not_unit};
+      return "must be a number from " + range.words() + ", " + unit +
+             std::string{setting.not_unit} +
+             likely_meaning(range, setting.mistakes, number.value_or(0.0));
     }
     config.*member = number;
     return std::nullopt;

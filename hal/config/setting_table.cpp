@@ -1,6 +1,8 @@
 #include "hal/config/setting_table.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cassert>
 
 namespace cargobay::hal {
 namespace {
@@ -30,6 +32,7 @@ constexpr std::array kSettings{
             .range = kWheelBaseMm,
             .unit = "mm",
             .not_unit = "not metres",
+            .mistakes = kNotMm,
             .meaning = "Distance between the wheels",
             .left_out = "258",
             .example = "258",
@@ -43,6 +46,7 @@ constexpr std::array kSettings{
             .member = &Config::distance_scale,
             .range = kScale,
             .not_unit = kTrueOfReported,
+            .mistakes = kNotPart,
             .meaning = "True distance for each millimetre that the robot reports",
             .left_out = "1",
             .example = "1.0",
@@ -55,6 +59,7 @@ constexpr std::array kSettings{
             .member = &Config::turn_scale,
             .range = kScale,
             .not_unit = kTrueOfReported,
+            .mistakes = kNotPart,
             .meaning = "True turn for each degree that the robot reports",
             .left_out = "1",
             .example = "1.0",
@@ -68,6 +73,7 @@ constexpr std::array kSettings{
             .range = kLagS,
             .unit = "seconds",
             .not_unit = "not ms",
+            .mistakes = kNotSeconds,
             .meaning =
                 "Time a wheel takes to come within 37 % of a new speed, as far as is known; the "
                 "loop finds out",
@@ -83,6 +89,7 @@ constexpr std::array kSettings{
             .range = kAccelerationMmS2,
             .unit = "mm/s^2",
             .not_unit = "not m/s^2",
+            .mistakes = kNotMmS2,
             .meaning = "Maximum acceleration of a wheel",
             .left_out = "1000",
             .example = "1000",
@@ -96,6 +103,7 @@ constexpr std::array kSettings{
             .range = kJerkMmS3,
             .unit = "mm/s^3",
             .not_unit = "not m/s^3",
+            .mistakes = kNotMmS3,
             .meaning = "How fast the acceleration may grow",
             .left_out = "at once",
             .example = "10000",
@@ -139,5 +147,11 @@ constexpr std::array kSettings{
 }  // namespace
 
 std::span<const Setting> settings() { return kSettings; }
+
+const Setting& setting_named(std::string_view key) {
+  const auto* const found = std::ranges::find(kSettings, key, &Setting::key);
+  assert(found != kSettings.end());
+  return *found;
+}
 
 }  // namespace cargobay::hal

@@ -31,13 +31,17 @@ struct Setting {
   std::optional<Range> range{};  // of numbers
   std::string_view unit{};       // of the range
   std::string_view not_unit{};   // that people take it for: "not metres"
-  std::string_view meaning{};    // without a full stop
-  std::string_view left_out{};   // its default, or what happens without it
-  std::string_view example{};    // a value, as TOML
+  std::span<const Mistake> mistakes{};
+  std::string_view meaning{};   // without a full stop
+  std::string_view left_out{};  // its default, or what happens without it
+  std::string_view example{};   // a value, as TOML
   // Hands it to the loop; null if it is not one of the loop's.
   void (*apply)(const Config& config, CycleParameters& parameters) = nullptr;
 };
 
 std::span<const Setting> settings();
+
+// The setting of that key, which must be one.
+const Setting& setting_named(std::string_view key);
 
 }  // namespace cargobay::hal

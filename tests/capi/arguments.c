@@ -78,7 +78,7 @@ static void of_sim(struct cargobay_sim* sim) {
   REFUSES_SIM_OPTION(wheel_base_mm, 49.0, "`wheel_base_mm`");
   REFUSES_SIM_OPTION(boot_baud, 1, "`boot_baud`");
   REFUSES_SIM_OPTION(plant, "sloth", "`plant`: unknown plant or value 'sloth'");
-  REFUSES_SIM_OPTION(plant, "lag 100", "`plant`: lag is in seconds, 0.001 to 10: 0.1, not 100");
+  REFUSES_SIM_OPTION(plant, "lag 100", "`plant`: lag is in seconds, 0.001 to 1; milliseconds? did you mean 0.1");
   REFUSES_SIM_OPTION(time, 2, "`time`");
   REFUSES_SIM_OPTION(remainder, 3, "`remainder`");
   options.time = CARGOBAY_SIM_TIME_VIRTUAL;

@@ -236,7 +236,7 @@ static void are_listed(void) {
     CHECK(strchr(setting.words, '\n') == NULL && setting.reserved == 0);
     if (strcmp(setting.key, "acceleration_mm_s2") == 0) {
       CHECK(strcmp(setting.table, "robot") == 0 && strcmp(setting.unit, "mm/s^2") == 0);
-      CHECK(setting.least == 1.0 && setting.most == 100000.0);
+      CHECK(setting.least == 10.0 && setting.most == 100000.0);
       CHECK(strcmp(setting.default_value, "1000") == 0);
       ++known;
     }

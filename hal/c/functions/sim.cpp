@@ -39,12 +39,16 @@ rt::Duration first_tick(std::size_t number) {
 // What is wrong with the wheels; empty if nothing.
 std::string complaint_about_wheels(const cargobay_sim_options& options) {
   const hal::Range lag_ns = hal::kLagS.times(kNsPerS);
-  if (options.lag_ns != 0 && !lag_ns.contains(static_cast<double>(options.lag_ns)))
-    return "`lag_ns` must be " + lag_ns.words() + ", or 0 for the default";
+  const auto asked_ns = static_cast<double>(options.lag_ns);
+  if (options.lag_ns != 0 && !lag_ns.contains(asked_ns)) {
+    return "`lag_ns` must be " + lag_ns.words() + ", or 0 for the default" +
+           hal::likely_meaning(lag_ns, hal::kNotNs, asked_ns);
+  }
   for (const double gain : {options.gain_left, options.gain_right}) {
-    if (gain != 0.0 && !hal::sim::kGain.contains(gain))
+    if (gain != 0.0 && !hal::sim::kGain.contains(gain)) {
       return "`gain_left` and `gain_right` must be " + hal::sim::kGain.words() +
-             ", or 0 for the default";
+             ", or 0 for the default" + hal::likely_meaning(hal::sim::kGain, hal::kNotPart, gain);
+    }
   }
   if (!hal::sim::kNoiseMmS.contains(std::max(options.noise_mm_s, 0.0)) ||
       std::isnan(options.noise_mm_s))
@@ -54,8 +58,10 @@ std::string complaint_about_wheels(const cargobay_sim_options& options) {
     if (const std::string wrong = hal::sim::set_plant(options.plant, wheels); !wrong.empty())
       return "`plant`: " + wrong;
   }
-  if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm))
-    return "`wheel_base_mm` must be " + hal::kWheelBaseMm.words() + ", or 0 for the default";
+  if (options.wheel_base_mm != 0.0 && !hal::kWheelBaseMm.contains(options.wheel_base_mm)) {
+    return "`wheel_base_mm` must be " + hal::kWheelBaseMm.words() + ", or 0 for the default" +
+           hal::likely_meaning(hal::kWheelBaseMm, hal::kNotMm, options.wheel_base_mm);
+  }
   return "";
 }
 

@@ -10,6 +10,7 @@
 
 #include "hal/cli/drive/profile.hpp"
 #include "hal/config/settings.hpp"
+#include "hal/range.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::cli {
@@ -28,14 +29,23 @@ hal::Result<void> check(const DriveOptions& options) {
     return hal::Failure{
         fmt::format("--speed {:g} is beyond the robot's -500 to 500 mm/s", options.speed_mm_s)};
   }
+  constexpr hal::Range kSpeeds{1.0, oi::kMaxWheelSpeed};
+  if (options.speed_mm_s != 0.0 && !kSpeeds.contains(std::abs(options.speed_mm_s))) {
+    return hal::Failure{fmt::format(
+        "--speed {:g} is less than the 1 mm/s that the robot is told{}", options.speed_mm_s,
+        hal::likely_meaning({-kSpeeds.most, kSpeeds.most}, hal::kNotMmS, options.speed_mm_s))};
+  }
   const bool sensible = options.duration_s > 0.0 && options.duration_s <= 86400.0;  // false for NaN
   if (!sensible) {
-    return hal::Failure{fmt::format("--duration {:g} is not above 0 and at most 86400 seconds",
-                                    options.duration_s)};
+    return hal::Failure{fmt::format(
+        "--duration {:g} is not above 0 and at most 86400 seconds{}", options.duration_s,
+        hal::likely_meaning({1.0, 86400.0}, hal::kNotSeconds, options.duration_s))};
   }
   if (!hal::kGuardDeadlineMs.contains(options.guard_deadline_ms)) {
-    return hal::Failure{fmt::format("--guard-deadline {:g} is not within {} ms",
-                                    options.guard_deadline_ms, hal::kGuardDeadlineMs.words())};
+    return hal::Failure{fmt::format(
+        "--guard-deadline {:g} is not within {} ms{}", options.guard_deadline_ms,
+        hal::kGuardDeadlineMs.words(),
+        hal::likely_meaning(hal::kGuardDeadlineMs, hal::kNotMs, options.guard_deadline_ms))};
   }
   const bool waits = reconnect_s(options) > 0.0 && reconnect_s(options) <= kLongestWaitS;
   if (!options.reconnect.empty() && !waits) {

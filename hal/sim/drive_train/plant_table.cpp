@@ -7,10 +7,10 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr Unit kSeconds{.words = "in seconds", .mistaken = 1e-3};
-constexpr Unit kMmPerSec{.words = "in mm/s", .mistaken = 1e3};
-constexpr Unit kMmPerSec2{.words = "in mm/s^2", .mistaken = 1e3};
-constexpr Unit kPart{.words = "a part of 1", .mistaken = 1e-2};
+constexpr Unit kSeconds{.words = "in seconds", .mistakes = kNotSeconds};
+constexpr Unit kMmPerSec{.words = "in mm/s", .mistakes = kNotMmS};
+constexpr Unit kMmPerSec2{.words = "in mm/s^2", .mistakes = kNotMmS2};
+constexpr Unit kPart{.words = "a part of 1", .mistakes = kNotPart};
 constexpr Range kSpeedMmS{0.0, 500.0};
 constexpr Range kFraction{0.0, 1.0};
 
@@ -54,7 +54,7 @@ constexpr std::array kValues{
     PlantValue{"counts-per-mm", &W::counts_per_mm, "Resolution of the encoders",
                Range{0.01, 1000.0}, Unit{.words = "per mm"}},
     PlantValue{"wheel-base", &W::wheel_base_mm, "Distance between its wheels, in mm", kWheelBaseMm,
-               Unit{.words = "in mm", .mistaken = 1e3}},
+               Unit{.words = "in mm", .mistakes = kNotMm}},
     PlantValue{"inner-period", &W::inner_period_s,
                "Seconds between the ticks of the controller that counts", Range{0.001, 0.1},
                kSeconds},

@@ -75,11 +75,9 @@ struct SetTo {
       parameters.*member = *number;
       return {};
     }
-    std::string wrong =
+    const std::string wrong =
         std::string{value.name} + " is " + std::string{value.unit.words} + ", " + range_of(value);
-    if (number && takes(value, *number * value.unit.mistaken))
-      wrong += ": " + text(*number * value.unit.mistaken) + ", not " + std::string{word};
-    return wrong;
+    return wrong + likely_meaning(value.range, value.unit.mistakes, number.value_or(0.0));
   }
   template <typename Choice>
   std::string operator()(Choice WheelParameters::* member) const {

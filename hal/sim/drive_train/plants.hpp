@@ -19,7 +19,7 @@ inline constexpr Range kLoad{0.0, 2.0};  // 0: nothing of the gain is left
 
 struct Unit {
   std::string_view words;  // "in seconds"
-  double mistaken = 1.0;   // what a number in the unit that people take it for is to be times
+  std::span<const Mistake> mistakes{};
 };
 
 struct PlantValue {
@@ -50,8 +50,8 @@ std::string plant_names();
 std::string range_of(const PlantValue& value, std::string_view between_choices = " or ");
 // As it would be typed: "0.1", "counting".
 std::string value_of(const PlantValue& value, const WheelParameters& parameters);
-// Sets it. Empty, or what is wrong: "lag is in seconds, 0.001 to 10: 0.1, not 100"; then nothing
-// has changed.
+// Sets it. Empty, or what is wrong: "lag is in seconds, 0.001 to 1; milliseconds? did you mean
+// 0.1"; then nothing has changed.
 std::string set_value(const PlantValue& value, std::string_view word, WheelParameters& parameters);
 // "[NAME] [VALUE NUMBER]...": a kind of wheels, or single values on top, as in "slow dead-time
 // 0.06". Wheel base and encoders stay. Empty, or what is wrong; then nothing has changed.

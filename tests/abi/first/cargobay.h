@@ -221,7 +221,7 @@ struct cargobay_sim_options {
   const char* plant; /**< how its wheels answer: a plant of docs/virtual-create.md, and values on
                           top, as in "slow sign true"; NULL: "default". Overridden by those below */
   void* reserved[2]; /**< NULL */
-  int64_t lag_ns;    /**< time constant of the wheels, 1000000 to 10000000000; 0: 100000000 */
+  int64_t lag_ns;    /**< time constant of the wheels, 1000000 to 1000000000; 0: 100000000 */
   double gain_left;  /**< part of the command that the wheel reaches, 0.1 to 1.5; 0: 0.94 */
   double gain_right; /**< the same for the right wheel, 0.1 to 1.5; 0: 0.9 */
   double noise_mm_s; /**< standard deviation of a wheel's speed, 0 to 100; 0: 1; negative: none */
@@ -381,8 +381,8 @@ struct cargobay_options {
                                    1000000000 */
   int64_t guard_deadline_ns; /**< after which the guard stops the robot, 40000000 to 10000000000;
                                    0: 150000000 */
-  double acceleration_mm_s2; /**< limit, 1 to 100000; 0: the configuration's, or 1000 */
-  double jerk_mm_s3;         /**< limit, 1 to 10000000; 0: the configuration's, or none; negative:
+  double acceleration_mm_s2; /**< limit, 10 to 100000; 0: the configuration's, or 1000 */
+  double jerk_mm_s3;         /**< limit, 100 to 10000000; 0: the configuration's, or none; negative:
                                    none */
   double wheel_base_mm;      /**< between the wheels, 50 to 1000; 0: the configuration's, or 258 */
   double distance_scale;     /**< true distance per mm reported, 0.5 to 2; 0: the configuration's,

@@ -1,5 +1,6 @@
 #include "hal/config/config.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hal/config/setting_table.hpp"
 #include "hal/config/settings.hpp"
 
 namespace cargobay::hal {
@@ -154,15 +156,55 @@ TEST(ConfigFile, RefusesWhatNoRobotIs) {
       EXPECT_TRUE(read_config(line(value), "my.toml", config)) << line(value);
     }
   }
-  complaint("[robot]\nwheel_base_mm = 0.26");  // metres
-  complaint("[robot]\ndistance_scale = 0.01");
   for (const char* text : {"priority = 0", "priority = 99", "priority = 9223372036854775807",
                            "cpu = -1", "cpu = 1024"})
     complaint(std::string{"[realtime]\n"} + text);
 }
 
+// In the units that people think in.
+TEST(ConfigFile, SaysWhatWasProbablyMeant) {
+  struct Row {
+    std::string line{};
+    std::string meant{};
+  };
+  const std::vector<Row> rows{{"[robot]\nwheel_base_mm = 0.258", "metres? did you mean 258"},
+                              {"[robot]\nwheel_base_mm = 25.8", "centimetres? did you mean 258"},
+                              {"[robot]\nlag_s = 100", "milliseconds? did you mean 0.1"},
+                              {"[robot]\nlag_s = 5", "milliseconds? did you mean 0.005"},
+                              {"[robot]\nlag_s = 100000", "microseconds? did you mean 0.1"},
+                              {"[robot]\nacceleration_mm_s2 = 0.5", "m/s^2? did you mean 500"},
+                              {"[robot]\nacceleration_mm_s2 = 1", "m/s^2? did you mean 1000"},
+                              {"[robot]\njerk_mm_s3 = 10", "m/s^3? did you mean 10000"},
+                              {"[robot]\ndistance_scale = 102", "percent? did you mean 1.02"},
+                              {"[robot]\nturn_scale = 98", "percent? did you mean 0.98"},
+                              {"baud = 57", "thousands? did you mean 57600"},
+                              {"baud = 115.2", "thousands? did you mean 115200"}};
+  for (const Row& row : rows) EXPECT_THAT(complaint(row.line), HasSubstr("; " + row.meant));
+  // Nothing sensible is near.
+  for (const char* text : {"[robot]\nwheel_base_mm = -258", "[robot]\nlag_s = 0", "baud = 12345",
+                           "[robot]\nturn_scale = 9000", "[robot]\nlag_s = nan"})
+    EXPECT_THAT(complaint(text), testing::Not(HasSubstr("did you mean"))) << text;
+}
+
+// A setting that has a unit knows what it is taken for.
+TEST(ConfigFile, KnowsTheMistakesOfEachUnit) {
+  for (const Setting& setting : settings()) {
+    EXPECT_EQ(setting.unit.empty() && setting.not_unit.empty(), setting.mistakes.empty())
+        << setting.key;
+    for (const Mistake& mistake : setting.mistakes) {
+      // Something within the range would be out of it in that unit.
+      const double middle = std::sqrt(setting.range->least * setting.range->most);
+      EXPECT_THAT(likely_meaning(*setting.range, setting.mistakes, middle / mistake.factor),
+                  HasSubstr("did you mean"))
+          << setting.key;
+    }
+  }
+}
+
 TEST(ConfigFile, SaysWhereItIsNoToml) {
   EXPECT_THAT(complaint("port = 'x'\nbaud ="), HasSubstr("my.toml:2: not TOML"));
+  // The parser asserts that this cannot be.
+  EXPECT_THAT(complaint("port = 'x'\n[:]"), HasSubstr("my.toml:2: not TOML"));
 }
 
 TEST(ConfigFile, SaysThatItCannotBeRead) {

@@ -75,13 +75,18 @@ TEST(Plants, LeaveWheelBaseAndEncodersAlone) {
 }
 
 TEST(Plants, SayWhatWasProbablyMeant) {
-  EXPECT_EQ(complaint("lag 100"), "lag is in seconds, 0.001 to 10: 0.1, not 100");
-  EXPECT_EQ(complaint("dead-time 60"), "dead-time is in seconds, 0 to 0.5: 0.06, not 60");
-  EXPECT_EQ(complaint("ramp 0.3"), "ramp is in mm/s^2, 0, or 10 to 100000: 300, not 0.3");
-  EXPECT_EQ(complaint("gain-left 94"), "gain-left is a part of 1, 0.1 to 1.5: 0.94, not 94");
-  EXPECT_EQ(complaint("slip-right 3"), "slip-right is a part of 1, 0 to 1: 0.03, not 3");
+  EXPECT_EQ(complaint("lag 100"), "lag is in seconds, 0.001 to 1; milliseconds? did you mean 0.1");
+  EXPECT_EQ(complaint("dead-time 60"),
+            "dead-time is in seconds, 0 to 0.5; milliseconds? did you mean 0.06");
+  EXPECT_EQ(complaint("ramp 0.3"),
+            "ramp is in mm/s^2, 0, or 10 to 100000; m/s^2? did you mean 300");
+  EXPECT_EQ(complaint("gain-left 94"),
+            "gain-left is a part of 1, 0.1 to 1.5; percent? did you mean 0.94");
+  EXPECT_EQ(complaint("slip-right 3"),
+            "slip-right is a part of 1, 0 to 1; percent? did you mean 0.03");
   EXPECT_EQ(complaint("wheel-base 0.258"), "wheel-base is in mm, 50 to 1000: 258, not 0.258");
-  EXPECT_EQ(complaint("step 0.0285"), "step is in mm/s, 0, or 0.1 to 250: 28.5, not 0.0285");
+  EXPECT_EQ(complaint("step 0.0285"),
+            "step is in mm/s, 0, or 0.1 to 250; metres per second? did you mean 28.5");
 }
 
 TEST(Plants, RefuseWhatIsOutOfRangeOrNotAValue) {

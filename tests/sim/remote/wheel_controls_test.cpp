@@ -49,7 +49,8 @@ TEST(PlantCommand, ChangesTheWheelsWhileTheyTurn) {
 TEST(PlantCommand, ActsAtATime) {
   Driving robot;
   EXPECT_EQ(robot.say("at 3 plant slip-left 0.5"), "ok");
-  EXPECT_EQ(robot.say("at 3 plant lag 100"), "error: lag is in seconds, 0.001 to 10: 0.1, not 100");
+  EXPECT_EQ(robot.say("at 3 plant lag 100"),
+            "error: lag is in seconds, 0.001 to 1; milliseconds? did you mean 0.1");
   robot.wait(3s - robot.device.now());
   EXPECT_NEAR(robot.device.truth().pose.heading_rad, 0.0, 1e-9);
   robot.wait(1s);
@@ -75,7 +76,8 @@ TEST(PlantCommand, SaysWhatIsThereAndWhatIsWrong) {
   EXPECT_TRUE(answer.starts_with("error: unknown plant or value '?'")) << answer;
   for (const Plant& plant : plants())
     EXPECT_NE(answer.find(" " + std::string{plant.name}), std::string::npos) << answer;
-  EXPECT_EQ(robot.say("plant slow lag 100"), "error: lag is in seconds, 0.001 to 10: 0.1, not 100");
+  EXPECT_EQ(robot.say("plant slow lag 100"),
+            "error: lag is in seconds, 0.001 to 1; milliseconds? did you mean 0.1");
   EXPECT_EQ(robot.device.parameters().wheels, quiet().wheels) << "nothing has changed";
 }
 
