@@ -117,6 +117,8 @@ enum class Flag : std::uint32_t {
   open_loop = CARGOBAY_FLAG_OPEN_LOOP,
   pin_cpu = CARGOBAY_FLAG_PIN_CPU,
   no_config = CARGOBAY_FLAG_NO_CONFIG,
+  no_learnt = CARGOBAY_FLAG_NO_LEARNT,
+  forget = CARGOBAY_FLAG_FORGET,
 };
 
 // enum cargobay_rate_change.
@@ -480,6 +482,24 @@ struct Info {
   char model[32] = {};
 };
 
+// struct cargobay_learnt.
+struct Learnt {
+  Remainder remainder{};
+  bool from_earlier = false;
+  std::chrono::nanoseconds moved{0};
+  std::chrono::nanoseconds lag{0};
+  std::chrono::nanoseconds lag_sd{0};
+  std::chrono::nanoseconds dead_time{0};
+  std::chrono::nanoseconds dead_time_sd{0};
+  double ramp_s2_mm = 0.0;
+  double ramp_sd_s2_mm = 0.0;
+  double gain_left = 0.0;
+  double gain_left_sd = 0.0;
+  double gain_right = 0.0;
+  double gain_right_sd = 0.0;
+  double carried_probability = 0.0;
+};
+
 // struct cargobay_setting.
 struct Setting {
   std::string_view table{};
@@ -659,6 +679,23 @@ inline Info typed(const cargobay_info& plain) noexcept {
             .spare_bytes = plain.spare_bytes};
   std::memcpy(info.model, plain.model, sizeof info.model);
   return info;
+}
+
+inline Learnt typed(const cargobay_learnt& plain) noexcept {
+  return {.remainder = Remainder{plain.remainder},
+          .from_earlier = plain.from_earlier != 0,
+          .moved = nanoseconds{plain.moved_ns},
+          .lag = nanoseconds{plain.lag_ns},
+          .lag_sd = nanoseconds{plain.lag_sd_ns},
+          .dead_time = nanoseconds{plain.dead_time_ns},
+          .dead_time_sd = nanoseconds{plain.dead_time_sd_ns},
+          .ramp_s2_mm = plain.ramp_s2_mm,
+          .ramp_sd_s2_mm = plain.ramp_sd_s2_mm,
+          .gain_left = plain.gain_left,
+          .gain_left_sd = plain.gain_left_sd,
+          .gain_right = plain.gain_right,
+          .gain_right_sd = plain.gain_right_sd,
+          .carried_probability = plain.carried_probability};
 }
 
 inline Setting typed(const cargobay_setting& plain) noexcept {
@@ -1258,6 +1295,10 @@ class Robot {
   }
   // cargobay_get_info().
   Expected<Info> info() const noexcept { return detail::fetched(cargobay_get_info, handle()); }
+  // cargobay_get_learnt().
+  Expected<Learnt> learnt() const noexcept {
+    return detail::fetched(cargobay_get_learnt, handle());
+  }
   // cargobay_get_state().
   Expected<State> state() const noexcept { return detail::fetched(cargobay_get_state, handle()); }
 

@@ -13,6 +13,7 @@
 #include "hal/config/setting_table.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/file/file_place.hpp"
+#include "hal/learnt/learnt_place.hpp"
 #include "hal/port/open_port.hpp"
 #include "hal/stream/spaced_stream.hpp"
 #include "hal/trouble.hpp"
@@ -24,7 +25,7 @@ namespace {
 constexpr std::uint32_t kKnownFlags =
     CARGOBAY_FLAG_REQUIRE_REALTIME | CARGOBAY_FLAG_NO_REALTIME | CARGOBAY_FLAG_NO_GUARD |
     CARGOBAY_FLAG_HOLD_ON_MODE_LOSS | CARGOBAY_FLAG_OPEN_LOOP | CARGOBAY_FLAG_PIN_CPU |
-    CARGOBAY_FLAG_NO_CONFIG;
+    CARGOBAY_FLAG_NO_CONFIG | CARGOBAY_FLAG_NO_LEARNT | CARGOBAY_FLAG_FORGET;
 constexpr int kLeastDescriptor = 3;
 
 bool has(const cargobay_options& options, cargobay_flag flag) {
@@ -125,6 +126,7 @@ void lay_over(const cargobay_options& options, hal::Config& config) {
   if (options.remainder == CARGOBAY_REMAINDER_CARRIED) config.remainder = rt::Remainder::carried;
   if (options.remainder == CARGOBAY_REMAINDER_LOST) config.remainder = rt::Remainder::lost;
   if (options.remainder == CARGOBAY_REMAINDER_FIND_OUT) config.remainder.reset();
+  if (has(options, CARGOBAY_FLAG_NO_LEARNT)) config.learnt = "none";
 }
 
 rt::RealtimeRequest realtime_request(const cargobay_options& options, const hal::Config& config) {
@@ -231,6 +233,9 @@ int Opening::prepare(const cargobay_options& options, std::optional<hal::OutputF
   progress = options.progress;
   progress_context = options.progress_context;
   if (const int failed = open_record(options, record); failed != CARGOBAY_OK) return failed;
+  // A virtual Create is another robot each time: it has a file only if one is named.
+  wanted.learnt = hal::learnt_place(config->learnt, options.sim != nullptr ? "" : config->port);
+  wanted.learnt.forget = has(options, CARGOBAY_FLAG_FORGET);
   return options.sim != nullptr ? take_sim(options) : take_plant(*config);
 }
 

@@ -82,6 +82,10 @@ void RobotObject::close_session() {
 }
 
 int RobotObject::open_session() {
+  if (session_owner_) {
+    if (auto learnt = session_owner_->robot->learnt())
+      opening.wanted.cycle.loop.estimator.prior = learnt;
+  }
   close_session();
   std::unique_ptr<hal::ByteStream> stream;
   if (const int failed = opening.open_stream(stream); failed != CARGOBAY_OK) return failed;

@@ -114,6 +114,7 @@ struct Ending {
   std::string why{};  // the robot did not come back; empty if nothing waited for it
   std::vector<std::string> recordings{};  // one per link
   hal::Result<void> recorded{};           // of the first that failed
+  std::string not_kept{};                 // why what was learnt is not; empty if it is, or need not
 };
 
 // What went wrong, the worst first; empty if nothing did.
@@ -159,6 +160,8 @@ class Drive {
   // port there are none.
   hal::Result<Ending> run(hal::Robot::Owned robot, const hal::ReconnectRequest& request) {
     Ending ending;
+    hal::ReconnectRequest again = request;
+    if (const std::string& remark = robot->learnt_remark(); !remark.empty()) print_remark(remark);
     for (bool first = true;; first = false) {
       const auto grant = begin_link(*robot);
       if (!grant && first) return grant.failure();
@@ -172,11 +175,15 @@ class Drive {
       links_.end_link();
       printer_.print_new();
       end_recording(*robot, ending);
+      began_from_earlier_ = began_from_earlier_ || robot->began_from().has_value();
+      if (auto learnt = robot->cycle().learnt()) learnt_ = learnt;
+      if (auto next = robot->learnt()) again.robot.cycle.loop.estimator.prior = next;
+      ending.not_kept = robot->learnt_remark();
       robot.reset();  // closes the port
       const bool goes_on = !request.port.path.empty() && !ending.signal.has_value() &&
                            hal::may_reconnect(ending.farewell.end);
       if (!goes_on) return ending;
-      auto back = wait_for_robot(request, ending.farewell.end);
+      auto back = wait_for_robot(again, ending.farewell.end);
       if (!back) {
         ending.why = back.failure().message;
         return ending;
@@ -186,6 +193,9 @@ class Drive {
   }
   const DriveLinks& links() const { return links_; }
   const rt::RealtimeGrant& grant() const { return grant_; }
+  // By the last link; nothing if the wheels were never told anything.
+  const std::optional<rt::LearntPlant>& learnt() const { return learnt_; }
+  bool began_from_earlier() const { return began_from_earlier_; }
 
  private:
   hal::Result<rt::RealtimeGrant> begin_link(hal::Robot& robot) {
@@ -263,6 +273,8 @@ class Drive {
   Driver driver_;
   std::optional<hal::RecordingFile> recording_{};  // of the link
   int recordings_ = 0;
+  std::optional<rt::LearntPlant> learnt_{};
+  bool began_from_earlier_ = false;
   rt::RealtimeGrant grant_{};  // of the last link
 };
 
@@ -283,7 +295,9 @@ DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& sample
           .period_ns = &links.period_ns(),
           .frame_to_command_ns = &links.frame_to_command_ns(),
           .reconnects = links.reconnects(),
-          .without_link = links.without()};
+          .without_link = links.without(),
+          .learnt = drive.learnt(),
+          .began_from_earlier = drive.began_from_earlier()};
 }
 
 // How to find a lost port again. Without an identity the port is not sought: it was not asked for,
@@ -330,6 +344,7 @@ int drive(const DriveOptions& options) {
                                 hal::below_loop(wanted.realtime.priority));  // outlives the robot
   if (!plant) return fail(plant.failure());
   wanted.pins = plant->pins();
+  wanted.learnt = learnt_place(options.learnt, *config);
   hal::sim::Server* const server = plant->server();
   if (server != nullptr) schedule(options.sim, *server);
   std::optional<int> early_signal;
@@ -355,6 +370,7 @@ int drive(const DriveOptions& options) {
   Drive driving{options, *profile, server, signals, outputs};
   const auto ending = driving.run(std::move(*opened), *again);
   if (!ending) return fail(ending.failure());
+  if (!ending->not_kept.empty()) print_remark(ending->not_kept);
   const std::vector<DriveSample> samples = driving.links().samples();
   DriveReport report = report_of(driving, samples);
   report.port = plant->port;
@@ -362,6 +378,7 @@ int drive(const DriveOptions& options) {
   report.baud = *config->baud;
   report.open_loop = options.open_loop;
   report.findings = findings;
+  report.learnt_file = wanted.learnt.file;
   return conclude(report, options, samples, *ending, outputs);
 }
 

@@ -26,6 +26,7 @@ struct Config {
   std::optional<double> acceleration_mm_s2{};
   std::optional<double> jerk_mm_s3{};  // not set: no limit
   std::optional<rt::Remainder> remainder{};
+  std::string learnt{};  // as learnt_place() has it
   std::optional<int> priority{};
   std::optional<int> cpu{};
   bool require_realtime = false;

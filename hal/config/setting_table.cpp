@@ -122,6 +122,14 @@ constexpr std::array kSettings{
                 [](const Config& config, CycleParameters& parameters) {
                   parameters.loop.estimator.remainder = config.remainder;
                 }},
+    Setting{.table = "robot",
+            .key = "learnt",
+            .member = &Config::learnt,
+            .meaning = "File that keeps what a drive learns of the wheels, for the next one to "
+                       "begin from; \"none\": neither kept nor used",
+            .left_out = "one for each serial port, in the folder for state; none for a "
+                        "pseudo-terminal",
+            .example = "\"none\""},
     Setting{.table = "realtime",
             .key = "priority",
             .member = &Config::priority,

@@ -55,11 +55,15 @@ Robot::Robot(std::unique_ptr<ByteStream> stream, std::unique_ptr<Duty> duty,
     : stream_{std::move(stream)},
       options_{options},
       report_{report},
+      keeper_{options.learnt},
       recorder_{options.recorder_bytes},
       recorded_{stream_->at_this_rate(), recorder_},
       duty_{std::move(duty)} {
   options_.cycle.loop.estimator.input_delay_s =
       input_delay_s(stream_->baud(), options_.cycle.dialect->frame_bytes);
+  const auto former = keeper_.begin();
+  auto& prior = options_.cycle.loop.estimator.prior;
+  if (!prior) prior = former;
   cycle_ = std::make_unique<ControlCycle>(recorded_, options_.cycle);
   cycle_->set_observer(observer());
   if (Guard* const guard = duty_->guard()) cycle_->set_guard(guard->mark());
@@ -185,6 +189,7 @@ void Robot::start_port_watch() {
   const auto look_up = [this] {
     const FrameCounters frames = cycle_->counters().frames;
     const auto state = cycle_->state();
+    keeper_.now_and_then(cycle_->learnt(), rt::Clock::now());
     return PortWatch::Progress{.missed = frames.bad + frames.lost, .tick = state ? state->tick : 0};
   };
   (void)port_watch_.start(path, look_up, [this](const Event& event) {
@@ -321,6 +326,7 @@ Robot::Farewell Robot::stop() {
   }
   farewell_.end = cycle_end_.load(std::memory_order_relaxed);  // join(), or this thread, ordered it
   port_watch_.stop();
+  if (!farewell_.abandoned) keeper_.keep(cycle_->learnt());
   if (farewell_.end != CycleEnd::asked) farewell_.last = last_exchanges(recorder_, kLastFrames);
   return farewell_;
 }

@@ -14,6 +14,7 @@
 #include "hal/cycle/request.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/guard/guard.hpp"
+#include "hal/learnt/learnt_keeper.hpp"
 #include "hal/recording/exchange.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_header.hpp"
@@ -33,6 +34,9 @@ struct RobotOptions {
   rt::RealtimeRequest realtime{};
   bool require_realtime = false;  // a refusal by the kernel is a failure, not a remark
   GuardOptions guard{};           // for a robot on a terminal; virtual time has no guard
+  // What an earlier drive learnt of the wheels, unless `cycle` has a prior already; and where this
+  // one is to keep what it learns: once a minute in real time, and at the end.
+  LearntPlace learnt{};
   std::size_t recorder_bytes = FlightRecorder::kDefaultBytes;  // of memory, for the last events
   // For the bring-up, as in BringUpRequest; the pins are not touched after open().
   RobotPins pins{};
@@ -80,6 +84,14 @@ class Robot {
   // What the cycle has received and done lately, for hal/recording/recording_file.hpp; from any
   // thread.
   const FlightRecorder& flight_recorder() const { return recorder_; }
+  // What the drive began from; nothing if from nothing.
+  const std::optional<rt::LearntPlant>& began_from() const {
+    return options_.cycle.loop.estimator.prior;
+  }
+  // What the next drive should begin from; nothing if this one has not learnt enough.
+  std::optional<rt::LearntPlant> learnt() const { return keeper_.result(cycle_->learnt()); }
+  // One line: why the file of LearntPlace could not be used or, after stop(), written; else empty.
+  const std::string& learnt_remark() const { return keeper_.remark(); }
   // The header of a recording that begins now.
   RecordingHeader recording_header() const;
 
@@ -133,6 +145,7 @@ class Robot {
   std::unique_ptr<ByteStream> stream_;  // outlives cycle_
   RobotOptions options_;
   BringUpReport report_;
+  LearntKeeper keeper_;  // the port watch's, until that has stopped
   FlightRecorder recorder_;
   RecordingStream recorded_;  // stream_ as the cycle sees it
   std::unique_ptr<ControlCycle> cycle_;

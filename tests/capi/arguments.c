@@ -78,7 +78,8 @@ static void of_sim(struct cargobay_sim* sim) {
   REFUSES_SIM_OPTION(wheel_base_mm, 49.0, "`wheel_base_mm`");
   REFUSES_SIM_OPTION(boot_baud, 1, "`boot_baud`");
   REFUSES_SIM_OPTION(plant, "sloth", "`plant`: unknown plant or value 'sloth'");
-  REFUSES_SIM_OPTION(plant, "lag 100", "`plant`: lag is in seconds, 0.001 to 1; milliseconds? did you mean 0.1");
+  REFUSES_SIM_OPTION(plant, "lag 100",
+                     "`plant`: lag is in seconds, 0.001 to 1; milliseconds? did you mean 0.1");
   REFUSES_SIM_OPTION(time, 2, "`time`");
   REFUSES_SIM_OPTION(remainder, 3, "`remainder`");
   options.time = CARGOBAY_SIM_TIME_VIRTUAL;
@@ -130,6 +131,7 @@ static void of_reading(struct cargobay_robot* robot) {
   setting.size = 0;
   REFUSES(cargobay_get_setting(0, &setting), "`size`");
   REFUSES(cargobay_get_statistics(robot, NULL), "NULL");
+  REFUSES(cargobay_get_learnt(robot, NULL), "NULL");
   REFUSES(cargobay_get_bring_up(robot, NULL), "NULL");
   REFUSES(cargobay_get_info(robot, NULL), "NULL");
   REFUSES(cargobay_get_missing_rights(robot, NULL, 0), "`text`");

@@ -84,6 +84,7 @@ static void have_an_upper_bound(struct cargobay_sim* sim, struct cargobay_robot*
   REFUSES_SIZES(cargobay_info, cargobay_get_info(robot, given));
   REFUSES_SIZES(cargobay_end_report, cargobay_get_end(robot, given));
   REFUSES_SIZES(cargobay_setting, cargobay_get_setting(0, given));
+  REFUSES_SIZES(cargobay_learnt, cargobay_get_learnt(robot, given));
   REFUSES_SIZES(cargobay_statistics, cargobay_get_statistics(robot, given));
   REFUSES_SIZES(cargobay_distribution, cargobay_histogram_get(histogram, given));
 
@@ -94,6 +95,7 @@ static void have_an_upper_bound(struct cargobay_sim* sim, struct cargobay_robot*
   FILLS_TO_THE_END(cargobay_info, cargobay_get_info(robot, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_end_report, cargobay_get_end(robot, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_setting, cargobay_get_setting(0, given), CARGOBAY_OK);
+  FILLS_TO_THE_END(cargobay_learnt, cargobay_get_learnt(robot, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_statistics, cargobay_get_statistics(robot, given), CARGOBAY_OK);
   FILLS_TO_THE_END(cargobay_distribution, cargobay_histogram_get(histogram, given), CARGOBAY_OK);
   CHECK(cargobay_sim_inject(sim, "bump left", NULL, 0) >= 0);

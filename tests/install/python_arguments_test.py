@@ -12,7 +12,7 @@ import unittest
 from python_support import virtual
 
 import cargobay
-from cargobay import Flag, HandleError, Histogram, Note, Robot, Sim, Twist
+from cargobay import Error, Flag, HandleError, Histogram, Note, Robot, Sim, Twist
 
 DAY = datetime.timedelta(days=1)
 
@@ -198,6 +198,16 @@ class Options(Refused):
             with virtual() as sim:
                 self.refused(ValueError, real, Robot, sim=sim, **{real: -1.0})
                 self.refused(ValueError, real, Robot, sim=sim, **{real: math.nan})
+        # What the library says is what Python says.
+        for value, meant in (({"wheel_base_mm": 0.258}, "metres\\? did you mean 258"),
+                             ({"acceleration_mm_s2": 0.5}, "m/s\\^2\\? did you mean 500"),
+                             ({"jerk_mm_s3": 10.0}, "m/s\\^3\\? did you mean 10000"),
+                             ({"turn_scale": 98.0}, "percent\\? did you mean 0.98"),
+                             ({"guard_deadline_s": 1.5e-7}, "milliseconds\\? did you mean"),
+                             ({"settings": "[robot]\nlag_s = 100"},
+                              "milliseconds\\? did you mean 0.1")):
+            with virtual() as sim, self.assertRaisesRegex(Error, meant):
+                Robot(sim=sim, **value)
         for real in ("gain_left", "gain_right", "noise_mm_s", "wheel_base_mm"):
             self.refused(TypeError, real, Sim, **{real: None})
 

@@ -101,7 +101,7 @@ function theirs(path) {
     return
   }
   if (path ~ /^(CLI|toml\+\+|nlohmann|fmt)\//) {
-    if (room !~ /^hal\/cli/ && room != "hal/config") bad("only hal/cli and hal/config may include <" path ">")
+    if (room !~ /^hal\/cli/ && room !~ /^hal\/(config|learnt)$/) bad("only hal/cli, hal/config and hal/learnt may include <" path ">")
     else if (header) bad("third-party header in a header: <" path ">")
     return
   }

@@ -81,9 +81,9 @@ plant gpio/planted.hpp    '#include <gpiod.h>'         'third-party header in a 
 plant hal/planted.hpp     '#include <libserialport.h>' 'third-party header in a header'
 plant hal/cli/planted.hpp '#include <CLI/CLI.hpp>'     'third-party header in a header'
 for header in CLI/CLI.hpp toml++/toml.h nlohmann/json.hpp fmt/format.h; do
-  plant hal/planted.cpp     "#include <$header>" 'only hal/cli and hal/config may'
-  plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli and hal/config may'
-  plant rt/planted.cpp      "#include <$header>" 'only hal/cli and hal/config may'
+  plant hal/planted.cpp     "#include <$header>" 'only hal/cli, hal/config and hal/learnt may'
+  plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli, hal/config and hal/learnt may'
+  plant rt/planted.cpp      "#include <$header>" 'only hal/cli, hal/config and hal/learnt may'
 done
 # Files that users name.
 plant hal/cli/planted.cpp '#include <fstream>'              'files are read by'
@@ -109,6 +109,7 @@ allowed gpio/planted.cpp    '#include <gpiod.h>'
 allowed hal/planted.cpp     '#include <libserialport.h>'
 allowed hal/cli/planted.cpp '#include <CLI/CLI.hpp>'
 allowed hal/config/planted.cpp    '#include <toml++/toml.h>'
+allowed hal/learnt/planted.cpp    '#include <toml++/toml.h>'
 allowed oi/planted.cpp      '// #include <iostream>'
 
 if ((failures)); then

@@ -1,6 +1,7 @@
 // A robot's handle: open and close, and what kind of robot it is.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -10,6 +11,7 @@
 #include "hal/c/robot_object.hpp"
 #include "hal/c/sized.hpp"
 #include "hal/c/text.hpp"
+#include "hal/c/waiting.hpp"
 #include "hal/config/setting_table.hpp"
 #include "hal/file/port_descriptor.hpp"
 #include "oi/dialect.hpp"
@@ -118,6 +120,33 @@ cargobay_info info_of(const RobotObject& object, const SessionUse& session) {
   return known;
 }
 
+std::int64_t ns_of(double seconds) {
+  constexpr double kNsPerS = 1e9;
+  return static_cast<std::int64_t>(std::llround(seconds * kNsPerS));
+}
+
+cargobay_learnt learnt_of(const hal::Robot& robot, const rt::LearntPlant& plant) {
+  cargobay_learnt known{};
+  known.remainder = static_cast<std::int32_t>(plant.remainder);
+  known.from_earlier = robot.began_from() ? 1 : 0;
+  known.moved_ns = ns_of(plant.moved_s);
+  known.lag_ns = ns_of(plant.lag_s);
+  known.lag_sd_ns = ns_of(plant.lag_sd_s);
+  known.dead_time_ns = ns_of(plant.dead_time_s);
+  known.dead_time_sd_ns = ns_of(plant.dead_time_sd_s);
+  known.ramp_s2_mm = plant.ramp_s2_mm;
+  known.ramp_sd_s2_mm = plant.ramp_sd_s2_mm;
+  known.gain_left = plant.gain_left;
+  known.gain_left_sd = plant.gain_left_sd;
+  known.gain_right = plant.gain_right;
+  known.gain_right_sd = plant.gain_right_sd;
+  known.carried_probability = 1.0 / (1.0 + std::exp(-plant.log_odds_carried));
+  return known;
+}
+static_assert(static_cast<int>(rt::RemainderBelief::unknown) == CARGOBAY_REMAINDER_UNKNOWN);
+static_assert(static_cast<int>(rt::RemainderBelief::carried) == CARGOBAY_REMAINDER_CARRIED);
+static_assert(static_cast<int>(rt::RemainderBelief::lost) == CARGOBAY_REMAINDER_LOST);
+
 // Their texts are literals, and end in NUL.
 cargobay_setting setting_of(const hal::Setting& setting) {
   cargobay_setting known{};
@@ -181,6 +210,17 @@ int cargobay_get_info(struct cargobay_robot* robot, struct cargobay_info* info) 
   const SessionUse session{*use};
   if (!session) return no_session();
   return give(info_of(*use, session), info) ? static_cast<int>(CARGOBAY_OK) : bad_argument(kBadOut);
+}
+
+int cargobay_get_learnt(struct cargobay_robot* robot, struct cargobay_learnt* learnt) {
+  const RobotUse use = robots().use(robot);
+  if (!use) return bad_robot(robot);
+  const SessionUse session{*use};
+  if (!session) return no_session();
+  const auto plant = session.cycle().learnt();
+  if (!plant) return sized(learnt) ? no_frame_yet() : bad_argument(kBadOut);
+  return give(learnt_of(*session->robot, *plant), learnt) ? static_cast<int>(CARGOBAY_OK)
+                                                          : bad_argument(kBadOut);
 }
 
 int cargobay_get_setting(uint32_t index, struct cargobay_setting* setting) {

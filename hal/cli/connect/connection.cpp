@@ -49,6 +49,21 @@ void add_port_options(CLI::App& command, PortOptions& options) {
                      "$XDG_CONFIG_HOME/cargobay.toml; options override it");
 }
 
+void add_learnt_options(CLI::App& command, LearntOptions& options) {
+  command.add_option("--learnt", options.file,
+                     "File that keeps what is learnt of the wheels, for the next drive to begin "
+                     "from, or none [one for each serial port, see FILES; none for a virtual "
+                     "Create]");
+  command.add_flag("--forget", options.forget,
+                   "Begin from nothing: the robot has other wheels or motors now");
+}
+
+hal::LearntPlace learnt_place(const LearntOptions& options, const hal::Config& config) {
+  hal::LearntPlace place = hal::learnt_place(options.file.value_or(config.learnt), config.port);
+  place.forget = options.forget;
+  return place;
+}
+
 void add_pin_options(CLI::App& command, PinOptions& options) {
   add_line(command, "brc", options.brc, "To the Baud Rate Change pin");
   add_line(command, "power", options.power, "To the power control toggle");

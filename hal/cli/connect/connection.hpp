@@ -8,6 +8,7 @@
 
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/config/config.hpp"
+#include "hal/learnt/learnt_place.hpp"
 #include "hal/result.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/remote/plant.hpp"
@@ -40,6 +41,17 @@ struct PinOptions {
 
   bool any_line() const { return brc.line || power.line || power_sense.line || charging.line; }
 };
+
+// Whether a drive begins from what an earlier one learnt.
+struct LearntOptions {
+  std::optional<std::string> file{};  // or "none"
+  bool forget = false;
+};
+
+// `options` outlives the parsing.
+void add_learnt_options(CLI::App& command, LearntOptions& options);
+// By options and configuration.
+hal::LearntPlace learnt_place(const LearntOptions& options, const hal::Config& config);
 
 // `options` outlives the parsing.
 void add_port_options(CLI::App& command, PortOptions& options);

@@ -59,6 +59,8 @@ hal::Result<void> check(const DriveOptions& options) {
 
 hal::Result<void> open_outputs(const DriveOptions& options, Outputs& outputs) {
   protect_config(options.connection, outputs);
+  if (options.learnt.file && *options.learnt.file != "none")
+    outputs.protect("what was learnt", *options.learnt.file);
   if (!Profile::is_named(options.profile)) outputs.protect("the profile", options.profile);
   if (auto done = outputs.open("--record", options.record_file); !done) return done;
   if (auto done = outputs.open("--json", options.json_file); !done) return done;
@@ -92,6 +94,7 @@ hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& 
 
 void add_drive_options(CLI::App& command, DriveOptions& options) {
   add_port_options(command, options.connection);
+  add_learnt_options(command, options.learnt);
   command.add_flag("--virtual", options.builtin,
                    "Drive a virtual Create of its own, even if the configuration names a port");
   command

@@ -20,6 +20,7 @@ namespace cargobay::cli {
 struct DriveOptions {
   PortOptions connection{};
   PinOptions pins{};
+  LearntOptions learnt{};
   bool builtin = false;
   std::string profile = "straight";
   double speed_mm_s = 200.0;

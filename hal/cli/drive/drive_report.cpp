@@ -47,6 +47,27 @@ std::string rights(const rt::RealtimeGrant& grant) {
   return out;
 }
 
+// With one standard deviation.
+void put_learnt(std::string& out, const DriveReport& report) {
+  if (!report.learnt) return;
+  const rt::LearntPlant& it = *report.learnt;
+  const auto to_out = std::back_inserter(out);
+  fmt::format_to(to_out, "Learnt     lag {:.0f} +- {:.0f} ms, dead time {:.0f} +- {:.0f} ms, ",
+                 1e3 * it.lag_s, 1e3 * it.lag_sd_s, 1e3 * it.dead_time_s, 1e3 * it.dead_time_sd_s);
+  // A ramp this steep cannot be told from none.
+  constexpr double kNoRampS2Mm = 1.0 / 3000.0;
+  if (it.ramp_s2_mm < kNoRampS2Mm) {
+    out += "no ramp,\n";
+  } else {
+    fmt::format_to(to_out, "ramp {:.0f} mm/s^2 +- {:.0f} %,\n", 1.0 / it.ramp_s2_mm,
+                   1e2 * it.ramp_sd_s2_mm / it.ramp_s2_mm);
+  }
+  fmt::format_to(to_out,
+                 "           gain {:.3f} +- {:.3f} left, {:.3f} +- {:.3f} right; began from {}\n",
+                 it.gain_left, it.gain_left_sd, it.gain_right, it.gain_right_sd,
+                 report.began_from_earlier ? "what an earlier drive learnt" : "nothing");
+}
+
 // Says nothing of what is in order.
 void put_findings(std::string& out, const std::vector<hal::Finding>& findings) {
   for (const hal::Finding& finding : findings) {
@@ -54,6 +75,28 @@ void put_findings(std::string& out, const std::vector<hal::Finding>& findings) {
     const std::string_view label = finding.verdict == hal::Finding::Verdict::bad ? "Bad" : "Advice";
     fmt::format_to(std::back_inserter(out), "{:<11}{}: {}\n", label, finding.what, finding.remedy);
   }
+}
+
+nlohmann::json learnt_json(const DriveReport& report) {
+  if (!report.learnt) return {};
+  const rt::LearntPlant& it = *report.learnt;
+  nlohmann::json file;
+  if (!report.learnt_file.empty()) file = report.learnt_file;
+  return {{"lag_s", it.lag_s},
+          {"lag_sd_s", it.lag_sd_s},
+          {"dead_time_s", it.dead_time_s},
+          {"dead_time_sd_s", it.dead_time_sd_s},
+          {"ramp_s2_mm", it.ramp_s2_mm},
+          {"ramp_sd_s2_mm", it.ramp_sd_s2_mm},
+          {"gain_left", it.gain_left},
+          {"gain_left_sd", it.gain_left_sd},
+          {"gain_right", it.gain_right},
+          {"gain_right_sd", it.gain_right_sd},
+          {"remainder", name(it.remainder)},
+          {"log_odds_carried", it.log_odds_carried},
+          {"moved_s", it.moved_s},
+          {"began_from_earlier", report.began_from_earlier},
+          {"file", file}};
 }
 
 }  // namespace
@@ -91,6 +134,7 @@ std::string table(const DriveReport& report) {
                    report.reconnects, rt::seconds(report.without_link));
   fmt::format_to(to_out, "Robot      {} on {} at {} baud, remainder of distance and angle: {}\n",
                  report.robot, report.port, report.baud, name(report.remainder));
+  put_learnt(out, report);
   fmt::format_to(to_out, "Real time  {}\n", rights(report.grant));
   put_findings(out, report.findings);
   return out;
@@ -138,6 +182,7 @@ std::string json(const DriveReport& report) {
         {"p999", report.frame_to_command_ns->percentile(99.9)},
         {"max", report.frame_to_command_ns->max()}}},
   };
+  out["learnt"] = learnt_json(report);
   out["findings"] = json::parse(cli::json(report.findings));
   if (report.figures.has_truth)
     out["estimate_rmse_mm_s"] = pair(l.estimate_rmse_mm_s, r.estimate_rmse_mm_s);

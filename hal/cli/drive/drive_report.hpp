@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "hal/doctor/doctor.hpp"
 #include "rt/clock.hpp"
 #include "rt/histogram.hpp"
+#include "rt/learnt_plant.hpp"
 #include "rt/realtime.hpp"
 
 namespace cargobay::cli {
@@ -35,6 +37,9 @@ struct DriveReport {
   int reconnects = 0;                                  // how often the port came back
   rt::Duration without_link{0};                        // in total
   std::vector<hal::Finding> findings{};                // about the machine, before the drive
+  std::optional<rt::LearntPlant> learnt{};             // of the wheels
+  bool began_from_earlier = false;                     // from what an earlier drive learnt
+  std::string learnt_file{};                           // that keeps it; empty: none
 };
 
 std::string name(rt::RemainderBelief belief);

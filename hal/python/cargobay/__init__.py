@@ -40,8 +40,8 @@ from .errors import (ArgumentError, Busy, Cancelled, ConfigError, ControlError, 
                      Unplugged, UnsupportedError)
 from .events import Event
 from .histogram import Histogram
-from .records import (BringUp, Distribution, EndReport, Info, Note, Reading, Setting, State,
-                      Statistics, Truth, Twist, Wheels)
+from .records import (BringUp, Distribution, EndReport, Info, Learnt, Note, Reading, Setting,
+                      State, Statistics, Truth, Twist, Wheels)
 from .robot import Robot
 from .sim import Sim
 
@@ -49,7 +49,7 @@ __all__ = [
     "FINISHED", "SETPOINT", "Answer", "ArgumentError", "BringUp", "Bump", "Busy", "Button",
     "Cancelled", "ConfigError", "Control", "ControlError", "Distribution", "EndReport", "Error",
     "ErrorCode", "Event", "EventKind", "Feature", "FileError", "Flag", "GuardError", "HandleError",
-    "Hazard", "Histogram", "How", "Info", "Led", "LimitReached", "LineFull", "LinkError",
+    "Hazard", "Histogram", "How", "Info", "Learnt", "Led", "LimitReached", "LineFull", "LinkError",
     "LoopError", "MachineError", "Measure", "Mode", "ModeLost", "NoAccess", "NoFrame", "NoPort",
     "Note", "OutOfMemory", "OutputKind", "Overcurrent", "Packet", "PinError", "ProgramError",
     "Progress", "RateChange", "Reading", "Remainder", "RightsError", "Robot", "RobotError",

@@ -16,7 +16,7 @@ from .enums import Measure, Packet
 from .errors import ControlError, TimedOut
 from .events import Event
 from .histogram import Histogram
-from .records import BringUp, EndReport, Info, Reading, State, Statistics
+from .records import BringUp, EndReport, Info, Learnt, Reading, State, Statistics
 
 _ENDED = 1
 _HISTORY = 256
@@ -158,6 +158,11 @@ class Inputs(_handles.Handle):
     def info(self) -> Info:
         """What kind of robot it is."""
         return Info._of(self._read("get_info", c.Info()))
+
+    @property
+    def learnt(self) -> Learnt:
+        """What the loop has learnt of the wheels."""
+        return Learnt._of(self._read("get_learnt", c.Learnt()))
 
     @property
     def end_report(self) -> EndReport:

@@ -33,6 +33,7 @@ CHECKED: dict[str, list[Any]] = {
     "close": [_HANDLE],
     "get_bring_up": [_HANDLE, POINTER(c.BringUp)],
     "get_info": [_HANDLE, POINTER(c.Info)],
+    "get_learnt": [_HANDLE, POINTER(c.Learnt)],
     "get_setting": [c_uint32, POINTER(c.Setting)],
     "get_state": [_HANDLE, POINTER(c.State)],
     "wait": [_HANDLE, c_int64, c_int64, POINTER(c.State)],

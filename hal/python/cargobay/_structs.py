@@ -133,6 +133,27 @@ class Info(Sized):
     ]
 
 
+class Learnt(Sized):
+    _fields_ = [
+        ("size", c_uint32),
+        ("remainder", c_int32),
+        ("from_earlier", c_int32),
+        ("reserved", c_uint32),
+        ("moved_ns", c_int64),
+        ("lag_ns", c_int64),
+        ("lag_sd_ns", c_int64),
+        ("dead_time_ns", c_int64),
+        ("dead_time_sd_ns", c_int64),
+        ("ramp_s2_mm", c_double),
+        ("ramp_sd_s2_mm", c_double),
+        ("gain_left", c_double),
+        ("gain_left_sd", c_double),
+        ("gain_right", c_double),
+        ("gain_right_sd", c_double),
+        ("carried_probability", c_double),
+    ]
+
+
 class Setting(Sized):
     _fields_ = [
         ("size", c_uint32),

@@ -86,6 +86,8 @@ class Flag(enum.IntFlag):
     OPEN_LOOP = 1 << 4
     PIN_CPU = 1 << 5
     NO_CONFIG = 1 << 6
+    NO_LEARNT = 1 << 7
+    FORGET = 1 << 8
 
 
 class RateChange(_Number):

@@ -212,6 +212,41 @@ class Info:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Learnt:
+    """What the loop has learnt of the robot's wheels, with standard deviations."""
+
+    remainder: Remainder
+    from_earlier: bool
+    moved_ns: int
+    lag_ns: int
+    lag_sd_ns: int
+    dead_time_ns: int
+    dead_time_sd_ns: int
+    ramp_s2_mm: float
+    ramp_sd_s2_mm: float
+    gain_left: float
+    gain_left_sd: float
+    gain_right: float
+    gain_right_sd: float
+    carried_probability: float
+
+    @property
+    def lag(self) -> datetime.timedelta:
+        return timedelta_of(self.lag_ns)
+
+    @property
+    def dead_time(self) -> datetime.timedelta:
+        return timedelta_of(self.dead_time_ns)
+
+    @classmethod
+    def _of(cls, learnt: c.Learnt) -> Self:
+        return cls(Remainder(learnt.remainder), bool(learnt.from_earlier), learnt.moved_ns,
+                   learnt.lag_ns, learnt.lag_sd_ns, learnt.dead_time_ns, learnt.dead_time_sd_ns,
+                   learnt.ramp_s2_mm, learnt.ramp_sd_s2_mm, learnt.gain_left, learnt.gain_left_sd,
+                   learnt.gain_right, learnt.gain_right_sd, learnt.carried_probability)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class Setting:
     """A key that a configuration file, or `settings`, may have."""
 

@@ -335,7 +335,10 @@ enum cargobay_flag {
                                                  cargobay_rearm() */
   CARGOBAY_FLAG_OPEN_LOOP = 1 << 4, /**< the command is the setpoint; the estimate plays no part */
   CARGOBAY_FLAG_PIN_CPU = 1 << 5,   /**< the control thread runs on `cpu` only */
-  CARGOBAY_FLAG_NO_CONFIG = 1 << 6  /**< no configuration file is read */
+  CARGOBAY_FLAG_NO_CONFIG = 1 << 6, /**< no configuration file is read */
+  CARGOBAY_FLAG_NO_LEARNT = 1 << 7, /**< neither begins from what an earlier drive learnt of the
+                                         wheels, nor keeps what this one does */
+  CARGOBAY_FLAG_FORGET = 1 << 8     /**< begins from nothing: the robot has other wheels now */
 };
 
 /** How to reach and drive a robot. 0 and NULL are the default everywhere. */
@@ -481,6 +484,40 @@ struct cargobay_info {
  * the robot up again. Any thread; real-time safe.
  */
 int cargobay_get_info(struct cargobay_robot* robot, struct cargobay_info* info);
+
+/** What the loop has learnt of the robot's wheels, with standard deviations. */
+struct cargobay_learnt {
+  uint32_t size;              /**< sizeof(struct cargobay_learnt) */
+  int32_t remainder;          /**< enum cargobay_remainder: which kind of robot this is */
+  int32_t from_earlier;       /**< 1: this start began from what an earlier one learnt */
+  uint32_t reserved;          /**< 0 */
+  int64_t moved_ns;           /**< how long the wheels have been told to move since the start */
+  int64_t lag_ns;             /**< in which a wheel comes within 37 % of a new speed */
+  int64_t lag_sd_ns;          /**< its standard deviation */
+  int64_t dead_time_ns;       /**< until a command begins to act */
+  int64_t dead_time_sd_ns;    /**< its standard deviation */
+  double ramp_s2_mm;          /**< 1 / the acceleration in mm/s^2 by which the robot approaches a
+                                command; near 0: at once */
+  double ramp_sd_s2_mm;       /**< its standard deviation */
+  double gain_left;           /**< part of its command that the left wheel reaches */
+  double gain_left_sd;        /**< its standard deviation */
+  double gain_right;          /**< the same for the right wheel */
+  double gain_right_sd;       /**< its standard deviation */
+  double carried_probability; /**< that the remainder is carried, by the readings, 0 to 1 */
+};
+
+/**
+ * What the loop has learnt of the wheels, a quarter of a second old at most. At the end of a drive,
+ * and once a minute, it is kept in a file for the next start of a robot at the same port:
+ * $STATE_DIRECTORY/learnt of a systemd service, else $XDG_STATE_HOME/cargobay/learnt or
+ * ~/.local/state/cargobay/learnt. That is where the next loop begins, not what it believes. A
+ * virtual Create, and any other pseudo-terminal, has no file unless the setting `learnt` names one.
+ * A file that cannot be read or written is no error. cargobay_start() after cargobay_end() begins
+ * from what the former loop learnt, with or without a file.
+ * @return 0; CARGOBAY_E_ARGUMENT; CARGOBAY_E_HANDLE; CARGOBAY_E_STATE while cargobay_start() brings
+ * the robot up again; CARGOBAY_E_NO_FRAME before the first frame. Any thread; real-time safe.
+ */
+int cargobay_get_learnt(struct cargobay_robot* robot, struct cargobay_learnt* learnt);
 
 /** A key that a configuration file, or `settings`, may have. */
 struct cargobay_setting {

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <semaphore>
@@ -82,6 +84,41 @@ TEST_F(RobotTest, DrivesAndIsLeftStanding) {
   EXPECT_EQ((*robot)->cycle().frames().good, 100U);
   expect_standing_in_passive();
   EXPECT_TRUE((*robot)->stop().robot.standing()) << "a second stop does nothing";
+}
+
+TEST_F(RobotTest, BeginsFromWhatItLearntBefore) {
+  std::string folder = (std::filesystem::temp_directory_path() / "cargobay-XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const LearntPlace place{.file = folder + "/it.toml", .port = "a robot"};
+  for (const bool before : {false, true}) {
+    auto robot = Robot::open(make_link(), {.realtime = kNoRights, .learnt = place});
+    ASSERT_TRUE(robot) << robot.failure().message;
+    EXPECT_EQ((*robot)->began_from().has_value(), before);
+    EXPECT_EQ((*robot)->recording_header().parameters.loop.estimator.prior.has_value(), before);
+    Driver driver{.robot = robot->get(), .frames = 600};
+    ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+    wait_for_end(**robot);
+    (void)(*robot)->stop();
+    EXPECT_EQ((*robot)->learnt_remark(), "");
+    const auto learnt = (*robot)->learnt();
+    ASSERT_TRUE(learnt);
+    EXPECT_NEAR(learnt->gain_left, 0.94, 0.06);
+    EXPECT_NEAR(learnt->moved_s, 600 * 0.015, 0.1);
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST_F(RobotTest, DrivesWhateverBecomesOfItsFile) {
+  for (const char* file : {"/dev/full", "/proc/none/it.toml", "/dev/zero", "/dev/null"}) {
+    auto robot = Robot::open(make_link(),
+                             {.realtime = kNoRights, .learnt = {.file = file, .port = "a robot"}});
+    ASSERT_TRUE(robot) << robot.failure().message;
+    Driver driver{.robot = robot->get(), .frames = 300};
+    ASSERT_TRUE((*robot)->start({.function = &Driver::control, .context = &driver}));
+    wait_for_end(**robot);
+    EXPECT_EQ((*robot)->stop().end, CycleEnd::asked) << file;
+  }
+  expect_standing_in_passive();
 }
 
 TEST_F(RobotTest, IsStoppedByItsDestructor) {

@@ -84,7 +84,8 @@ TEST(Plants, SayWhatWasProbablyMeant) {
             "gain-left is a part of 1, 0.1 to 1.5; percent? did you mean 0.94");
   EXPECT_EQ(complaint("slip-right 3"),
             "slip-right is a part of 1, 0 to 1; percent? did you mean 0.03");
-  EXPECT_EQ(complaint("wheel-base 0.258"), "wheel-base is in mm, 50 to 1000: 258, not 0.258");
+  EXPECT_EQ(complaint("wheel-base 0.258"),
+            "wheel-base is in mm, 50 to 1000; metres? did you mean 258");
   EXPECT_EQ(complaint("step 0.0285"),
             "step is in mm/s, 0, or 0.1 to 250; metres per second? did you mean 28.5");
 }
