@@ -35,6 +35,7 @@ constexpr std::chrono::seconds kWarning{3};
 struct CalibrateOptions {
   PortOptions port{};
   PinOptions pins{};
+  LearntOptions learnt{};
   SimOptions sim{};
   double speed_mm_s = 200.0;
   std::string write_file;
@@ -93,9 +94,9 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
 std::string table(const hal::CalibrationResult& result) {
   return fmt::format(
       "Wheel base   {:.1f} mm   (four turns within {:.1f} mm)\n"
-      "Lag          {:.0f} ms\n"
-      "Gain         {:.3f} left, {:.3f} right   (the loop learns it by itself)\n"
-      "Remainder    {}\n",
+      "Lag          {:.0f} ms   (the loop learns it by itself, at each drive)\n"
+      "Gain         {:.3f} left, {:.3f} right   (the same)\n"
+      "Remainder    {}   (the same)\n",
       result.wheel_base_mm, result.wheel_base_spread_mm, 1e3 * result.lag_s, result.gain_left,
       result.gain_right, name(result.remainder));
 }
@@ -119,14 +120,12 @@ hal::Result<std::string> contents(const std::string& file) {
       fmt::format("cannot read the configuration {}: {}", file, text.failure().message)};
 }
 
-// Writes to the file; leaves it untouched if anything is wrong with it.
+// Writes to the file what motion alone does not tell; the rest is learnt by each drive, and would
+// only be in its way. Leaves the file untouched if anything is wrong with it.
 hal::Result<void> write_config(const std::string& file, const hal::CalibrationResult& result,
                                Outputs& outputs) {
-  std::vector<hal::ConfigValue> values{
-      {.key = "wheel_base_mm", .value = fmt::format("{:.1f}", result.wheel_base_mm)},
-      {.key = "lag_s", .value = fmt::format("{:.3f}", std::max(result.lag_s, 0.001))}};
-  if (result.remainder != rt::RemainderBelief::unknown)
-    values.push_back({.key = "remainder", .value = "\"" + name(result.remainder) + "\""});
+  const std::vector<hal::ConfigValue> values{
+      {.key = "wheel_base_mm", .value = fmt::format("{:.1f}", result.wheel_base_mm)}};
   const auto before = contents(file);
   if (!before) return before.failure();
   const std::string text = hal::set_values(*before, "robot", values);
@@ -145,6 +144,8 @@ hal::Result<void> check(const CalibrateOptions& options, Outputs& outputs) {
   if (options.write_file == "-")
     return hal::Failure{"--write needs the name of a file, such as /etc/cargobay.toml"};
   protect_config(options.port, outputs);
+  if (options.learnt.file && *options.learnt.file != "none")
+    outputs.protect("what was learnt", *options.learnt.file);
   if (auto done = outputs.open_to_edit("--write", options.write_file); !done) return done;
   if (auto done = outputs.open("--json", options.json_file); !done) return done;
   if (options.write_file.empty()) return {};
@@ -188,6 +189,7 @@ hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOption
   hal::Calibration::prepare(wanted.cycle);
   wanted.realtime = {.priority = config.priority.value_or(kPriority), .cpu = config.cpu};
   wanted.pins = plant.pins();
+  wanted.learnt = learnt_place(options.learnt, config);
   wanted.cancelled = [&] {
     if (!signal) signal = signals.wait(rt::Duration::zero());
     return signal.has_value();
@@ -200,7 +202,8 @@ hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOption
   if (!driven) return driven.failure();
   signal = *driven;
   if (signal) return std::optional<hal::CalibrationResult>{};
-  auto result = calibration.result((*robot)->delay_s());
+  if (const std::string& remark = (*robot)->learnt_remark(); !remark.empty()) print_remark(remark);
+  auto result = calibration.result((*robot)->delay_s(), (*robot)->began_from());
   if (!result) return result.failure();
   return std::optional{*result};
 }
@@ -238,17 +241,19 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = app.add_subcommand(
       "calibrate",
-      "Measure wheel base, lag and gain of the wheels and the kind of remainder, by driving a "
-      "known\npattern: forward and back, then turns about each wheel. It needs half a metre of "
-      "clear floor\naround the robot. Without --port, on a virtual Create of its own.");
+      "Measure the wheel base, which no drive tells by itself, by driving a known pattern: forward "
+      "and\nback, then turns about each wheel. It needs half a metre of clear floor around the "
+      "robot, and less\nthan a minute. Lag and gain of the wheels and the kind of remainder are "
+      "shown too.\nWithout --port, on a virtual Create of its own.");
   add_port_options(*command, options->port);
   command->add_option("--speed", options->speed_mm_s, "Speed of the wheels in mm/s, 100 to 400")
       ->capture_default_str();
   command->add_option(
       "--write", options->write_file,
-      "Write the measured values to this configuration file; the rest of it is left as it is");
+      "Write the wheel base to this configuration file; the rest of it is left as it is");
   command->add_option("--json", options->json_file,
                       "Write the result to this file; - for standard output");
+  add_learnt_options(*command, options->learnt);
   add_pin_options(*command, options->pins);
   add_sim_options(*command, options->sim);
   command->footer(

@@ -25,6 +25,10 @@ void Calibration::prepare(CycleParameters& parameters) {
   parameters.loop.feedback = rt::WheelLoop::Feedback::open;
   parameters.loop.limits = {.acceleration_mm_s2 = kAtOnce};
   parameters.loop.estimator.remainder.reset();  // so that there are series of readings and windows
+  // Nothing depends on reading soon, and each reading of a robot that loses the remainder costs up
+  // to a degree.
+  parameters.loop.schedule.least_window_ticks = 20;
+  parameters.loop.schedule.window_ticks = 200;
 }
 
 double Calibration::duration_s() CARGOBAY_NONBLOCKING { return begin_of(kLegs.size()); }
@@ -182,11 +186,12 @@ Result<void> Calibration::measure_gain(const Ways& ways, CalibrationResult& resu
   return {};
 }
 
-Result<CalibrationResult> Calibration::result(double delay_s) const {
+Result<CalibrationResult> Calibration::result(double delay_s,
+                                              const std::optional<rt::LearntPlant>& prior) const {
   if (ticks_.empty() ||
       static_cast<double>(ticks_.back().number) * kTickSeconds < duration_s() - 0.5)
     return Failure{"the drive ended early; nothing was measured: try again"};
-  rt::WheelEstimator::Parameters parameters{.input_delay_s = delay_s};
+  rt::WheelEstimator::Parameters parameters{.input_delay_s = delay_s, .prior = prior};
   CalibrationResult result;
   // The wheel base converts degrees to millimetres, and so affects the rest.
   for (int round = 0; round < 2; ++round) {

@@ -49,7 +49,9 @@ class Calibration {
   // the parameters' estimator. Takes some tenths of a second: finds the kind of remainder that
   // makes the robot's readings most likely (rt/wheel_estimator.hpp), learns the plant, and then
   // the lag more exactly.
-  Result<CalibrationResult> result(double delay_s) const;
+  // `prior` is what the drive began from, if it did.
+  Result<CalibrationResult> result(double delay_s,
+                                   const std::optional<rt::LearntPlant>& prior = {}) const;
 
  private:
   struct Leg {
@@ -57,8 +59,10 @@ class Calibration {
     double right = 0.0;
     double drive_s = 0.0;
   };
-  static constexpr double kSettle = 1.0;  // seconds, from the first frame on, and after each leg
-  static constexpr double kTurn = 6.0;    // seconds
+  // Seconds, from the first frame on, and after each leg: until the slowest robot stands, for what
+  // rolls on would count for the next leg.
+  static constexpr double kSettle = 2.5;
+  static constexpr double kTurn = 6.0;  // seconds
   static constexpr std::array<Leg, 6> kLegs{
       {{1, 1, 2}, {-1, -1, 2}, {0, 1, kTurn}, {0, -1, kTurn}, {1, 0, kTurn}, {-1, 0, kTurn}}};
   struct Tick {

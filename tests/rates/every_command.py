@@ -32,7 +32,7 @@ COMMANDS = (
     (("calibrate",), DRIVES_FROM),
     (("jitter", "--channels", "robot", "--duration", "1"), DRIVES_FROM),
 )
-_PATIENCE_S = 90.0  # a calibration takes 40
+_PATIENCE_S = 90.0  # a calibration takes 50
 # The reason, and what to do instead.
 _WAY_OUT = re.compile(r"(does not fit|do not fit).*; (choose|take|send|ask)")
 
