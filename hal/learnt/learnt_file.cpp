@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <locale>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -25,9 +25,9 @@ constexpr std::int64_t kVersion = 1;
 
 // A number of the file. Within these bounds, whatever is in it does no harm.
 struct Number {
-  const char* key;
-  double rt::LearntPlant::* member;
-  Range range;
+  const char* key = "";
+  double rt::LearntPlant::* member = nullptr;
+  Range range{};
 };
 constexpr Range kSpread{0.0, 10.0};
 constexpr Range kGain{0.3, 1.5};
@@ -56,19 +56,16 @@ constexpr const char* kComment =
 }  // namespace
 
 std::string learnt_text(const LearntRecord& record) {
-  toml::table table;
-  table.insert("version", kVersion);
-  table.insert("port", record.port);
-  for (const Number& number : kNumbers) {
-    constexpr double kDigits = 1e6;  // those beyond are noise
-    table.insert(number.key, std::round(record.plant.*number.member * kDigits) / kDigits);
-  }
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << kComment << "version = " << kVersion << '\n'
+       << "port = " << toml::value<std::string>{record.port} << '\n';
+  for (const Number& number : kNumbers)
+    text << number.key << " = " << record.plant.*number.member << '\n';
   if (record.plant.remainder != rt::RemainderBelief::unknown) {
     const bool carried = record.plant.remainder == rt::RemainderBelief::carried;
-    table.insert("remainder", carried ? "carried" : "lost");
+    text << "remainder = " << (carried ? "'carried'" : "'lost'") << '\n';
   }
-  std::ostringstream text;
-  text << kComment << table << '\n';
   return text.str();
 }
 

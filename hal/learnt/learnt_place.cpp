@@ -75,13 +75,13 @@ std::string state_folder() {
   return "/var/lib/cargobay";
 }
 
-LearntPlace learnt_place(const std::string& wish, const std::string& given) {
-  const std::string port = opened_as(given);
-  const bool is_virtual = port.empty() || is_pty(port);
+LearntPlace learnt_place(const std::string& wish, const std::string& port) {
+  const std::string opened = opened_as(port);
+  const bool is_virtual = opened.empty() || is_pty(opened);
   if (wish == "none" || (wish.empty() && is_virtual)) return {};
   if (is_virtual) return {.file = wish, .port = "a virtual Create"};
-  const auto identity = identify(port, serial_ports());
-  const std::string name = identity ? port_name(*identity) : port;
+  const auto identity = identify(opened, serial_ports());
+  const std::string name = identity ? port_name(*identity) : opened;
   if (!wish.empty()) return {.file = wish, .port = name};
   return {.file = state_folder() + "/learnt/" + file_name(name), .port = name};
 }

@@ -38,8 +38,8 @@ WheelSpeeds any_target(const PlantValues& plant, std::mt19937_64& random) {
 // What a drive with another target every 1.2 s learns of the plant.
 rt::LearntPlant learnt_of(const PlantValues& plant, std::uint64_t seed) {
   std::mt19937_64 random{seed + 7};
-  std::vector<WheelSpeeds> targets;
-  for (int i = 0; i < 20; ++i) targets.push_back(any_target(plant, random));
+  std::vector<WheelSpeeds> targets(20);
+  for (WheelSpeeds& target : targets) target = any_target(plant, random);
   return drive(plant, seed + 1, kFirstDriveS,
                [&targets](double seconds) {
                  return targets[static_cast<std::size_t>(seconds / 1.2) % targets.size()];

@@ -113,6 +113,36 @@ TEST(DriveResults, HoldTheKeysOfTheJson) {
   expect_ascending(results.at("frame_to_command_ns"), {"p50", "p99", "p999", "max"});
 }
 
+TEST(DriveResults, SayWhatWasLearntAndTheNextDriveBeginsFromIt) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path("it.toml");
+  const auto learnt_with = [](const char* duration_s, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"drive", "--duration", duration_s, "--profile",
+                                   "steps", "--json",     "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    Command command{words};
+    EXPECT_EQ(command.exit_code(), 0) << command.err();
+    EXPECT_THAT(command.err(), IsEmpty());
+    return json::parse(command.out(), nullptr, false).at("learnt");
+  };
+  const json first = learnt_with("4", {"--learnt", file});
+  EXPECT_NEAR(first.at("gain_left"), 0.94, 0.05);
+  EXPECT_NEAR(first.at("lag_s"), 0.1, 0.05);
+  EXPECT_GT(first.at("gain_right_sd"), 0.0);
+  EXPECT_EQ(first.at("file"), file);
+  EXPECT_FALSE(first.at("began_from_earlier"));
+  EXPECT_TRUE(learnt_with("0.5", {"--learnt", file}).at("began_from_earlier"));
+  EXPECT_FALSE(learnt_with("0.5", {"--learnt", file, "--forget"}).at("began_from_earlier"));
+  EXPECT_FALSE(learnt_with("0.5", {"--learnt", "none"}).at("began_from_earlier"));
+  EXPECT_TRUE(learnt_with("0.5", {}).at("file").is_null()) << "of a virtual Create nothing is kept";
+}
+
+TEST_F(DriveTest, SaysThatItCannotKeepWhatItLearns) {
+  Command command{drive({"--duration", "5", "--learnt", "/dev/full"})};
+  EXPECT_EQ(command.exit_code(), 0);
+  EXPECT_THAT(command.err(), testing::HasSubstr("is not kept: cannot write /dev/full"));
+}
+
 TEST_F(DriveTest, KnowsNoTruthAboutARobotThatIsNotItsOwn) {
   Command command{drive({"--duration", "2", "--json", "-"})};
   ASSERT_EQ(command.exit_code(), 0) << command.err();
