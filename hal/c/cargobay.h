@@ -385,7 +385,7 @@ struct cargobay_options {
   int64_t guard_deadline_ns; /**< after which the guard stops the robot, 40000000 to 10000000000;
                                    0: 150000000 */
   double acceleration_mm_s2; /**< limit, 10 to 100000; 0: the configuration's, or 1000 */
-  double jerk_mm_s3;         /**< limit, 100 to 10000000; 0: the configuration's, or none; negative:
+  double jerk_mm_s3;         /**< limit, 20 to 10000000; 0: the configuration's, or none; negative:
                                    none */
   double wheel_base_mm;      /**< between the wheels, 50 to 1000; 0: the configuration's, or 258 */
   double distance_scale;     /**< true distance per mm reported, 0.5 to 2; 0: the configuration's,

@@ -8,7 +8,7 @@ namespace cargobay::hal {
 // Of the robot.
 inline constexpr Range kScale{0.5, 2.0};
 inline constexpr Range kAccelerationMmS2{10.0, 100'000.0};
-inline constexpr Range kJerkMmS3{100.0, 10'000'000.0};
+inline constexpr Range kJerkMmS3{20.0, 10'000'000.0};
 // Of the loop.
 inline constexpr Range kPriority{1, 98};  // 99 is for threads that the kernel cannot do without
 inline constexpr Range kCpu{0, 1023};
