@@ -10,6 +10,7 @@
 #include "hal/sim/random.hpp"
 #include "hal/sim/robot/pins.hpp"
 #include "hal/sim/robot/uart_line.hpp"
+#include "hal/stream/spaced_stream.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/campaign/faulted_stream.hpp"
 
@@ -64,9 +65,9 @@ class FaultedDrive {
 
  private:
   bool bring_up() {
-    (void)stream_.set_wake_threshold(1);  // in range
+    (void)spaced_.set_wake_threshold(1);  // in range
     return static_cast<bool>(
-        hal::bring_up(stream_, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
+        hal::bring_up(spaced_, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
   }
 
   // A robot that was told to wait for something is deaf until that comes.
@@ -74,7 +75,7 @@ class FaultedDrive {
     seen_.toggled = true;
     hal::sim::Pins pins{[this](const auto& change) { change(device_); }};
     return static_cast<bool>(
-        hal::bring_up(stream_, {.packets = oi::kCreate.list(oi::FrameList::reading),
+        hal::bring_up(spaced_, {.packets = oi::kCreate.list(oi::FrameList::reading),
                                 .pins = {.power_toggle = &pins.power_toggle}}));
   }
 
@@ -132,19 +133,19 @@ class FaultedDrive {
 
   // Also makes it the cycle_. On the heap: it holds a minute of states.
   std::unique_ptr<hal::ControlCycle> make_cycle(const hal::ControlFunction& control) {
-    (void)stream_.set_wake_threshold(oi::kCreate.frame_bytes);  // in range
+    (void)spaced_.set_wake_threshold(oi::kCreate.frame_bytes);  // in range
     hal::ControlCycle::Parameters parameters;
     parameters.loop.estimator.input_delay_s =
         rt::seconds(oi::wire_time(oi::kCreate.frame_bytes + oi::kDriveDirectBytes, stream_.baud()));
-    auto cycle = std::make_unique<hal::ControlCycle>(stream_, parameters);
+    auto cycle = std::make_unique<hal::ControlCycle>(spaced_, parameters);
     cycle->set_control(control);
     cycle_ = cycle.get();
     return cycle;
   }
 
   void leave() {
-    (void)stream_.set_wake_threshold(1);  // in range
-    (void)hal::farewell(stream_);         // see_tick() and run() look at the robot itself
+    (void)spaced_.set_wake_threshold(1);  // in range
+    (void)hal::farewell(spaced_);         // see_tick() and run() look at the robot itself
   }
 
   static hal::ControlAnswer first_control(void* context, const hal::CycleState& state,
@@ -196,6 +197,7 @@ class FaultedDrive {
   hal::sim::Device device_;
   hal::sim::VirtualLink link_;
   FaultedStream stream_;
+  hal::SpacedStream spaced_{stream_};  // as open_port() does
   hal::ControlCycle* cycle_ = nullptr;
   Observations seen_{};
   bool watching_ = false;
