@@ -12,9 +12,14 @@
 #include <optional>
 
 #include "hal/sim/random.hpp"
+#include "hal/sim/safety.hpp"
 #include "oi/sensors.hpp"
 
 namespace cargobay::hal::sim {
+
+// How far its light reaches, from its lamps to the centre of the robot.
+inline constexpr double kBaseLitMm = 1500.0 + kRobotRadiusMm;   // of a buoy
+inline constexpr double kBaseFieldMm = 500.0 + kRobotRadiusMm;  // of the force field
 
 class BaseBelief {
  public:
@@ -29,6 +34,8 @@ class BaseBelief {
   void see(double x_mm, double y_mm, oi::HomeBaseBeams light);
   // Nothing while places far from each other agree with it as well.
   std::optional<Place> estimate() const;
+  // One that agrees with it, of many. Only after the first light.
+  Place any();
 
  private:
   struct Sighting {
@@ -47,8 +54,10 @@ class BaseBelief {
 
   static double cost(const Place& place, const Sighting& sighting);
   double cost(const Place& place) const;
+  const Guess& best() const;
   void remember(const Sighting& sighting);
   void guess_around(const Sighting& sighting);
+  Place guess_from(const Sighting& sighting);
   void improve();
   double either_way(double most) { return most * (2.0 * random_.uniform() - 1.0); }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "hal/sim/demos/demo_view.hpp"
+#include "hal/sim/demos/floor_memory.hpp"
 #include "hal/sim/demos/wall_follower.hpp"
 #include "hal/sim/random.hpp"
 
@@ -13,16 +14,19 @@ namespace cargobay::hal::sim {
 class Cover {
  public:
   void start(const DemoView& view);
-  // The same, and along the first wall it meets.
-  void start_along_walls(const DemoView& view);
-  WheelSpeeds step(const DemoView& view);
+  // The same, to the nearest new places first, and not far along walls.
+  void start_nearby(const DemoView& view);
+  // `floor` is of this tick.
+  WheelSpeeds step(const DemoView& view, FloorMemory& floor);
 
  private:
-  enum class Way : std::uint8_t { bounce, follow, spiral };
+  enum class Way : std::uint8_t { bounce, seek, follow, spiral };
 
   void begin_leg(const DemoView& view);
-  WheelSpeeds meet(const DemoView& view);
-  WheelSpeeds follow(const DemoView& view);
+  WheelSpeeds meet(const DemoView& view, const FloorMemory& floor);
+  WheelSpeeds follow(const DemoView& view, FloorMemory& floor);
+  WheelSpeeds seek(const DemoView& view, FloorMemory& floor);
+  bool choose(const DemoView& view, FloorMemory& floor);
   double spiral_radius_mm(const DemoView& view) const;
 
   static constexpr std::uint64_t kSeed = 0x636f766572;
@@ -33,11 +37,15 @@ class Cover {
   Random random_{kSeed};
   bool in_beam_ = false;    // of a virtual wall, at the last tick
   std::uint32_t legs_ = 0;  // since it followed a wall last
-  std::uint32_t legs_before_wall_ = 0;
-  std::uint32_t spirals_ = 0;
-  double leg_mm_ = 0.0;  // where this one began
+  bool spiralled_ = false;  // since then, or since all was new
+  double leg_mm_ = 0.0;     // where this one began
   double leg_deg_ = 0.0;
-  double following_mm_ = 0.0;  // how far it wants to, this time
+  double following_mm_ = 0.0;    // how far it wants to, this time
+  FloorMemory::Place toward_{};  // where it seeks a fresh place
+  rt::Duration chosen_at_{0};
+  std::uint32_t met_ = 0;  // obstacles, on its way there
+  bool nearby_ = false;
+  bool everywhere_ = false;  // it has been near every place
 };
 
 }  // namespace cargobay::hal::sim

@@ -45,6 +45,9 @@ inline WheelSpeeds steer(double mm_s, double left_deg) {
   return {mm_s * (1.0 - part), mm_s * (1.0 + part)};
 }
 
+// More than this a demo turns on the spot.
+inline constexpr double kPivotDeg = 35.0;
+
 inline double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 inline bool bumped(const Inputs& seen) { return seen.bump_left || seen.bump_right; }
@@ -72,10 +75,24 @@ class Evasion {
  private:
   enum class Phase : std::uint8_t { over, brake, back, turn };
 
+  void brake(const DemoView& view);
+  bool stands(const DemoView& view);
+  bool cliff_ahead(const Inputs& seen) const;
+
   Phase phase_ = Phase::over;
   double back_mm_ = 0.0;
   double turn_deg_ = 0.0;  // positive to the left
-  rt::Duration began_at_{0};
+  void begin_back(const DemoView& view);
+  void retreat(const DemoView& view);
+  void begin_turn(const DemoView& view);
+  void turn(const DemoView& view);
+
+  bool backs_ = false;     // once it stands
+  bool undoes_ = false;    // a turn that led onto a cliff
+  bool at_cliff_ = false;  // at the last tick of the turn
+  rt::Duration stands_since_{0};
+  double stood_mm_ = 0.0;
+  double stood_deg_ = 0.0;
   double began_travelled_mm_ = 0.0;
   double began_turned_deg_ = 0.0;
   double turned_at_mm_ = -std::numeric_limits<double>::infinity();  // where it did so last

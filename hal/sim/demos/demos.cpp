@@ -15,7 +15,7 @@ namespace {
 constexpr double kSpeedMmPerSec = 250.0;
 constexpr double kYieldMmPerSec = 120.0;
 constexpr double kBackOffMm = 60.0;
-constexpr rt::Duration kLeavesBaseAlone = std::chrono::seconds{20};
+constexpr rt::Duration kLeavesBaseAlone = std::chrono::seconds{5};
 
 // Wimp.
 constexpr double kPushMm = 5.0;
@@ -43,6 +43,8 @@ void Demos::start(std::int32_t number, const View& view) {
   follows_ = false;
   yields_ = false;
   evasion_.stop();
+  const bool homes = number_ == oi::DemoNumber::home || number_ == oi::DemoNumber::tag;
+  floor_.reset(view, homes ? FloorMemory::Beams::lead : FloorMemory::Beams::close);
   cover_.start(view);
   docking_.reset(view);
   homing_.start(view);
@@ -95,17 +97,17 @@ bool Demos::evade(const View& view, Action& action) {
 Demos::Action Demos::cover(const View& view, bool docks) {
   const Inputs& seen = *view.seen;
   if (seen.home_base || seen.charger) return {.over = true};
-  if (docks) docking_.watch(view);
+  floor_.watch(view);
+  if (docks) docking_.watch(view, floor_);
   const bool again = view.now >= docks_again_at_ || (gave_up_ < 3 && sees_both_buoys(seen));
-  if (docks && !docking_.active() && seen.beams().any() && again) {
-    docking_.start(view);
-  }
-  if (!docking_.active()) return {.wheels = cover_.step(view)};
-  const Action action{.wheels = docking_.step(view)};
+  const bool finds = docks && !docking_.active() && again;
+  if (finds && (seen.beams().any() || docking_.knows_base())) docking_.start(view);
+  if (!docking_.active()) return {.wheels = cover_.step(view, floor_)};
+  const Action action{.wheels = docking_.step(view, floor_)};
   if (!docking_.active()) {
     // From elsewhere it may do better, and walls lead there; longer each time.
     docks_again_at_ = view.now + ++gave_up_ * kLeavesBaseAlone;
-    cover_.start_along_walls(view);
+    cover_.start_nearby(view);
   }
   return action;
 }
@@ -191,15 +193,12 @@ Demos::Action Demos::wimp(const View& view) {
 // else, and it goes past that.
 Demos::Action Demos::home(const View& view, bool goes_on) {
   const Inputs& seen = *view.seen;
+  floor_.watch(view);
   if (homing_.on_its_way() && (bumped(seen) || seen.any_cliff())) {
     if (!goes_on) return {.over = true};
-    if (bumped_both(seen)) {
-      homing_.turn_around(view);
-    } else {
-      homing_.go_past(view);
-    }
+    homing_.meet(view, floor_);
   }
-  return {.wheels = homing_.step(view)};
+  return {.wheels = homing_.step(view, floor_)};
 }
 
 Demos::Action Demos::pachelbel(const View& view) {

@@ -7,6 +7,7 @@
 #include "hal/sim/demos/cover.hpp"
 #include "hal/sim/demos/demo_view.hpp"
 #include "hal/sim/demos/docking.hpp"
+#include "hal/sim/demos/floor_memory.hpp"
 #include "hal/sim/demos/homing.hpp"
 #include "hal/sim/demos/wall_follower.hpp"
 #include "oi/commands.hpp"
@@ -43,6 +44,7 @@ class Demos {
 
   bool running_ = false;
   oi::DemoNumber number_ = oi::DemoNumber::abort;
+  FloorMemory floor_{};
   Cover cover_{};
   Docking docking_{};
   Homing homing_{};

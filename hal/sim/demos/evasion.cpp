@@ -11,32 +11,105 @@ namespace {
 constexpr double kEvadeTurnMmPerSec = 120.0;
 // Fast, or a robot that comes to a cliff is over it with its caster before it stands.
 constexpr double kEvadeBackMmPerSec = 400.0;
-constexpr rt::Duration kBrakeTime = std::chrono::milliseconds{240};
+constexpr double kFromCliffMm = 80.0;
+constexpr double kLeastBackMm = 20.0;
+constexpr rt::Duration kStandsFor = std::chrono::milliseconds{45};
+constexpr double kStandsMm = 1.0;  // and does not move by more in that time
+constexpr double kStandsDeg = 0.5;
 
 }  // namespace
 
 void Evasion::start(const DemoView& view, double back_mm, double turn_deg) {
   // Not beyond where it began to drive this way: nothing at its back sees a cliff.
   back_mm_ = std::min(back_mm, view.travelled_mm - turned_at_mm_);
-  phase_ = back_mm_ > 0.0 ? Phase::back : Phase::brake;
+  backs_ = back_mm_ > 0.0;
+  brake(view);
   turn_deg_ = turn_deg;
-  began_at_ = view.now;
-  began_travelled_mm_ = view.travelled_mm;
+  undoes_ = false;
   began_turned_deg_ = view.turned_deg;
+  // At once, or the caster is over the cliff before the robot stands.
+  if (backs_ && view.seen->any_cliff()) begin_back(view);
+}
+
+void Evasion::begin_back(const DemoView& view) {
+  backs_ = false;
+  phase_ = Phase::back;
+  began_travelled_mm_ = view.travelled_mm;
+}
+
+// The encoders cannot see which way a wheel coasts: it stands before it turns the other way.
+bool Evasion::stands(const DemoView& view) {
+  if (std::abs(view.travelled_mm - stood_mm_) > kStandsMm ||
+      std::abs(view.turned_deg - stood_deg_) > kStandsDeg) {
+    stands_since_ = view.now;
+    stood_mm_ = view.travelled_mm;
+    stood_deg_ = view.turned_deg;
+  }
+  return view.now - stands_since_ >= kStandsFor;
+}
+
+void Evasion::brake(const DemoView& view) {
+  phase_ = Phase::brake;
+  stands_since_ = view.now;
+  stood_mm_ = view.travelled_mm;
+  stood_deg_ = view.turned_deg;
+}
+
+// On the side that it turns to.
+bool Evasion::cliff_ahead(const Inputs& seen) const {
+  return turn_deg_ > 0.0 ? seen.cliff_left.cliff || seen.cliff_front_left.cliff
+                         : seen.cliff_right.cliff || seen.cliff_front_right.cliff;
+}
+
+// From a cliff, the way that it came.
+void Evasion::retreat(const DemoView& view) {
+  back_mm_ = std::min(kFromCliffMm, view.travelled_mm - turned_at_mm_);
+  begin_back(view);
+}
+
+void Evasion::begin_turn(const DemoView& view) {
+  // So close to a cliff a wheel would drop.
+  if (view.seen->any_cliff() && !undoes_ && view.travelled_mm - turned_at_mm_ > kLeastBackMm) {
+    retreat(view);
+    return;
+  }
+  phase_ = Phase::turn;
+  began_turned_deg_ = view.turned_deg;
+  at_cliff_ = cliff_ahead(*view.seen);
+}
+
+void Evasion::turn(const DemoView& view) {
+  const double turned_deg = view.turned_deg - began_turned_deg_;
+  const bool at_cliff = cliff_ahead(*view.seen);
+  const bool meets_cliff = at_cliff && !at_cliff_;
+  at_cliff_ = at_cliff;
+  if (meets_cliff && !undoes_) {
+    undoes_ = true;
+    turn_deg_ = -turned_deg;
+    brake(view);
+    return;
+  }
+  if (std::abs(turned_deg) < std::abs(turn_deg_)) return;
+  if (undoes_) {
+    undoes_ = false;
+    turn_deg_ = 0.0;
+    retreat(view);
+    return;
+  }
+  phase_ = Phase::over;
+  turned_at_mm_ = view.travelled_mm;
 }
 
 bool Evasion::step(const DemoView& view, WheelSpeeds& wheels) {
-  const bool backed = phase_ == Phase::back && began_travelled_mm_ - view.travelled_mm >= back_mm_;
-  const bool rests = phase_ == Phase::brake && view.now - began_at_ >= kBrakeTime;
-  if (backed || rests) {
-    phase_ = Phase::turn;
-    began_turned_deg_ = view.turned_deg;
+  if (phase_ == Phase::back && began_travelled_mm_ - view.travelled_mm >= back_mm_) brake(view);
+  if (phase_ == Phase::brake && stands(view)) {
+    if (backs_) {
+      begin_back(view);
+    } else {
+      begin_turn(view);
+    }
   }
-  if (phase_ == Phase::turn &&
-      std::abs(view.turned_deg - began_turned_deg_) >= std::abs(turn_deg_)) {
-    phase_ = Phase::over;
-    turned_at_mm_ = view.travelled_mm;
-  }
+  if (phase_ == Phase::turn) turn(view);
   switch (phase_) {
     case Phase::over: return false;
     case Phase::brake: wheels = {}; return true;

@@ -7,33 +7,39 @@
 #include <cstdint>
 
 #include "hal/sim/demos/demo_view.hpp"
+#include "hal/sim/demos/floor_memory.hpp"
 
 namespace cargobay::hal::sim {
 
 class Homing {
  public:
   void start(const DemoView& view);
-  // Looks for the next wall, behind it.
-  void turn_around(const DemoView& view);
-  // Past what it met with one side, and once more from there.
-  void go_past(const DemoView& view);
-  WheelSpeeds step(const DemoView& view);
+  // On its way it has met something. If that is straight ahead, it is the wall: it turns around and
+  // looks for the next one. What it meets with one side is not, and it goes past that.
+  void meet(const DemoView& view, const FloorMemory& floor);
+  // `floor` is of this tick.
+  WheelSpeeds step(const DemoView& view, FloorMemory& floor);
   // It has seen a wall and is on its way there.
-  bool on_its_way() const { return phase_ == Phase::drive && !searches_ && !evasion_.active(); }
+  bool on_its_way() const { return phase_ == Phase::drive && !evasion_.active(); }
 
  private:
-  enum class Phase : std::uint8_t { spin, drive };
+  enum class Phase : std::uint8_t { spin, drive, search };
 
+  void turn_around(const DemoView& view);
+  void go_past(const DemoView& view);
   void spin_from_here(const DemoView& view);
   // Turns there on the spot, and then drives.
   void drive_toward(const DemoView& view, double heading_deg);
-  WheelSpeeds spin(const DemoView& view);
+  void drive_on_line(const DemoView& view);
+  WheelSpeeds spin(const DemoView& view, FloorMemory& floor);
   WheelSpeeds drive(const DemoView& view);
-  void next_leg(const DemoView& view);
-  void search_elsewhere(const DemoView& view);
-  void evade(const DemoView& view);
-  bool is_the_last(double heading_deg) const;
-  void reckon(const DemoView& view);
+  WheelSpeeds search(const DemoView& view, FloorMemory& floor);
+  void search_elsewhere(const FloorMemory& floor);
+  FloorMemory::Place from_met(double ahead_mm) const;
+  bool choose(const DemoView& view, FloorMemory& floor);
+  bool is_the_last(const FloorMemory& floor, double heading_deg) const;
+  void met(const FloorMemory& floor);
+  void reckon(const DemoView& view, const FloorMemory& floor);
 
   Phase phase_ = Phase::spin;
   Evasion evasion_{};
@@ -45,21 +51,27 @@ class Homing {
   double heading_deg_ = 0.0;     // it drives that way
   double unseen_mm_ = 0.0;       // where it last saw a wall, or began to drive
   double most_unseen_mm_ = 0.0;  // after so much more it spins again
-  bool searches_ = false;        // it drives where it hopes to see a wall
-  bool found_ = false;           // what it searched for
   double beside_mm_ = 0.0;       // to the left of its way
-  bool turns_around_ = false;    // it has bumped into a wall at that heading
-  double bumped_deg_ = 0.0;
-  bool went_around_ = false;  // that wall, and saw no other before
-  std::size_t legs_ = 0;      // of the way around it, begun
-  bool went_past_ = false;    // what it met with one side at that heading
-  double past_deg_ = 0.0;
-  // By its own reckoning, from where it saw a wall last: so far, and there it is.
-  bool ever_saw_ = false;
-  double x_mm_ = 0.0;
-  double y_mm_ = 0.0;
   double last_travelled_mm_ = 0.0;
   double last_turned_deg_ = 0.0;
+
+  // What it met last on its way to a wall.
+  bool has_met_ = false;
+  FloorMemory::Place met_{};
+  double met_deg_ = 0.0;  // the heading then
+
+  // Where it looks for the next one: at places along the way it came from or went to, then at new
+  // ones.
+  std::size_t place_ = 0;
+  std::uint32_t bumps_ = 0;  // on its way to this one
+  FloorMemory::Place to_{};  // on that way
+  double look_mm_ = 0.0;     // of its way: it has spun there
+  rt::Duration chosen_at_{0};
+  // Where it saw a wall last.
+  bool ever_saw_ = false;
+  FloorMemory::Place saw_{};
+  MeanPlace middle_{};       // of all places where it did
+  double counted_mm_ = 0.0;  // of its way, when it counted one last
 };
 
 }  // namespace cargobay::hal::sim

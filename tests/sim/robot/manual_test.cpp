@@ -197,7 +197,8 @@ TEST(DemosOfTheManual, WimpDrivesAwayFromWhatItMeets) {  // OI p. 8
   robot.device.inputs().bump_left = true;
   robot.to_tick();
   robot.device.inputs().bump_left = false;
-  robot.to_tick();
+  // It stands before it backs off.
+  for (int i = 0; i < 60 && robot.device.commanded().left_mm_s >= 0.0; ++i) robot.to_tick();
   EXPECT_LT(robot.device.commanded().left_mm_s, 0.0);
   EXPECT_LT(robot.device.commanded().right_mm_s, 0.0);
   robot.wait(2s);
