@@ -19,8 +19,12 @@ enum class FrameList : std::uint8_t {
   signals_left,   // wall, cliffs left and front left, as strengths
   signals_right,  // cliffs front right and right, the inputs of the cargo bay
   outputs,        // what the robot was told: songs, stream, speeds
+  // Each reads only one counter, of a robot that loses what a reading leaves over:
+  distance,          // with the infrared byte
+  distance_buttons,  // with the buttons: no list of five packets has room for both
+  angle,
 };
-inline constexpr std::size_t kFrameLists = 6;
+inline constexpr std::size_t kFrameLists = 9;
 using FrameLists = std::array<StreamList, kFrameLists>;
 
 // No list has more packets.
@@ -44,6 +48,9 @@ inline constexpr FrameLists kCreateFrameLists = [] {
       list(oi_mode, cliff_front_right_signal, cliff_right_signal, digital_inputs, analog_signal),
       // Includes the mode.
       list(group_5),
+      list(oi_mode, PacketId::distance, infrared_byte, voltage, current),
+      list(oi_mode, PacketId::distance, buttons, voltage, current),
+      list(oi_mode, PacketId::angle, bumps_and_wheel_drops, voltage, current),
   };
 }();
 

@@ -131,6 +131,14 @@ void AxisFilter::propagate(const Response& tick, double disturbance_sd_mm_s, con
       keep_ * keep_ * input_input + disturbance_sd_mm_s * disturbance_sd_mm_s;
 }
 
+void AxisFilter::doubt_all_along(double position_mm, double speed_mm_s) CARGOBAY_NONBLOCKING {
+  Covariance p{covariance_.data()};
+  p(kPosition, kPosition) += position_mm * position_mm;
+  p(kPosition, kSpeed) += position_mm * speed_mm_s;
+  p(kSpeed, kPosition) += position_mm * speed_mm_s;
+  p(kSpeed, kSpeed) += speed_mm_s * speed_mm_s;
+}
+
 double AxisFilter::read(int count, Remainder remainder) CARGOBAY_NONBLOCKING {
   const double step = parameters_.step_mm;
   const double low = (count > 0 ? count : count - 1) * step;

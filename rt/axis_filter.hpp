@@ -59,6 +59,10 @@ class AxisFilter {
   // The same without a drive: then nothing is disturbed either.
   void coast(const Response& response, const Doubt& doubt) CARGOBAY_NONBLOCKING;
 
+  // The speed has been wrong in one sense since the counter was last read, by which the position is
+  // wrong too: standard deviations of both.
+  void doubt_all_along(double position_mm, double speed_mm_s) CARGOBAY_NONBLOCKING;
+
   // The counter was read and said `count`. Returns the natural logarithm of the probability that
   // this filter gave that count.
   double read(int count, Remainder remainder) CARGOBAY_NONBLOCKING;
@@ -70,6 +74,8 @@ class AxisFilter {
   // Travel since reset(): what was read, plus the filter's estimate of what was not. A reading may
   // take back a little of an earlier estimate.
   double travel_mm() const CARGOBAY_NONBLOCKING { return read_mm_ + state_[kPosition]; }
+  // The part of it that was not read yet.
+  double unread_mm() const CARGOBAY_NONBLOCKING { return state_[kPosition]; }
   // How wrong that may be. The first is what readings have lost for good, and grows with each; the
   // second is what the next reading will settle, and does not.
   double forgotten_variance() const CARGOBAY_NONBLOCKING { return forgotten_; }

@@ -3,10 +3,37 @@
 #include <cmath>
 
 namespace cargobay::rt {
+namespace {
+
+// All three at their bounds are inside the 99 % ellipse, with room for what else is wrong.
+double variance_of(double most) CARGOBAY_NONBLOCKING { return most * most / 2.0; }
+
+}  // namespace
 
 void Odometry::reset(const OdometryPose& pose) CARGOBAY_NONBLOCKING {
   pose_ = pose;
   grown_ = {};
+  by_left_ = {};
+  by_right_ = {};
+  by_base_ = {};
+  bent_x_mm_ = 0.0;
+  bent_y_mm_ = 0.0;
+}
+
+// One step: its heading was wrong already, and it is wrong itself.
+void Odometry::derive(Derivative& by, double chord_mm, double by_distance_mm,
+                      double by_turn_rad) const CARGOBAY_NONBLOCKING {
+  const double middle_rad = by.heading_rad + by_turn_rad / 2.0;
+  by.x_mm += cos_ * by_distance_mm - sin_ * chord_mm * middle_rad;
+  by.y_mm += sin_ * by_distance_mm + cos_ * chord_mm * middle_rad;
+  by.heading_rad += by_turn_rad;
+}
+
+double Odometry::lasting_heading_variance() const CARGOBAY_NONBLOCKING {
+  const double of_wheels =
+      by_left_.heading_rad * by_left_.heading_rad + by_right_.heading_rad * by_right_.heading_rad;
+  return variance_of(parameters_.wheel_error) * of_wheels +
+         variance_of(parameters_.base_error) * by_base_.heading_rad * by_base_.heading_rad;
 }
 
 void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
@@ -32,8 +59,10 @@ void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
 
   // And the step itself: in distance, in turn, and in both at once if one wheel slips more.
   const double slip = parameters_.slip_mm2_per_mm;
-  const double left_mm = std::abs(distance_mm - turn_rad * base_mm / 2.0);
-  const double right_mm = std::abs(distance_mm + turn_rad * base_mm / 2.0);
+  const double left_way_mm = distance_mm - turn_rad * base_mm / 2.0;
+  const double right_way_mm = distance_mm + turn_rad * base_mm / 2.0;
+  const double left_mm = std::abs(left_way_mm);
+  const double right_mm = std::abs(right_way_mm);
   const double ahead = travel.distance_variance + slip * (left_mm + right_mm) / 4.0;
   const double both = slip * (right_mm - left_mm) / (2.0 * base_mm);
   const double turned = travel.turn_variance + slip * (left_mm + right_mm) / (base_mm * base_mm);
@@ -43,6 +72,14 @@ void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
   p.xh += cos_ * both;
   p.yh += sin_ * both;
   p.hh += turned;
+
+  derive(by_left_, chord_mm, left_way_mm / 2.0, -left_way_mm / base_mm);
+  derive(by_right_, chord_mm, right_way_mm / 2.0, right_way_mm / base_mm);
+  derive(by_base_, chord_mm, 0.0, -turn_rad);
+
+  const double bends = (p.hh + lasting_heading_variance()) / 2.0;
+  bent_x_mm_ += bends * x_mm;
+  bent_y_mm_ += bends * y_mm;
 
   pose_.x_mm += x_mm;
   pose_.y_mm += y_mm;
@@ -58,6 +95,20 @@ PoseCovariance Odometry::covariance() const CARGOBAY_NONBLOCKING {
   now.xy += cos_ * sin_ * unread_distance_;
   now.yy += sin_ * sin_ * unread_distance_;
   now.hh += unread_turn_;
+  const double of_wheel = variance_of(parameters_.wheel_error);
+  const auto add = [&now](const Derivative& by, double variance) CARGOBAY_NONBLOCKING {
+    now.xx += variance * by.x_mm * by.x_mm;
+    now.xy += variance * by.x_mm * by.y_mm;
+    now.xh += variance * by.x_mm * by.heading_rad;
+    now.yy += variance * by.y_mm * by.y_mm;
+    now.yh += variance * by.y_mm * by.heading_rad;
+    now.hh += variance * by.heading_rad * by.heading_rad;
+  };
+  add(by_left_, of_wheel);
+  add(by_right_, of_wheel);
+  add(by_base_, variance_of(parameters_.base_error));
+  // The fourth moment of a heading that is wrong all the way.
+  add({.x_mm = bent_x_mm_, .y_mm = bent_y_mm_}, 3.0);
   return now;
 }
 

@@ -14,11 +14,11 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 
 #include "rt/learnt_plant.hpp"
 #include "rt/nonblocking.hpp"
+#include "rt/plant_models.hpp"
 #include "rt/remainder.hpp"
 #include "rt/wheel_speeds.hpp"
 
@@ -32,14 +32,20 @@ struct PlantEstimate {
   // True mm/s for each commanded mm/s once all has settled.
   double gain_left = 0.92;
   double gain_right = 0.92;
-  // Standard deviations: of the lag, and of the gain of the axis in which the robot moves.
+  // Standard deviations: of the lag; of the gain of the axis in which the robot moves; and of the
+  // difference of the wheels' gains, which the distance of a straight line does not show.
   double lag_sd_s = 0.0;
   double gain_sd = 0.0;
+  double gain_difference_sd = 0.0;
+  double gain_left_sd = 0.0;
+  double gain_right_sd = 0.0;
+  // A load has made the wheels weaker: they are not stronger than that, however wide the spread.
+  bool weakened = false;
 };
 
 class PlantBank {
  public:
-  enum class Axis : std::uint8_t { distance, turn };
+  using Axis = rt::Axis;
 
   struct Parameters {
     double wheel_base_mm = 258.0;
@@ -60,9 +66,14 @@ class PlantBank {
   // One tick of the robot, in which `command` was sent in answer to the frame before.
   void step(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
   // The axis was read `ticks` after its last reading, and said `count`.
-  void read(Axis axis, int count, int ticks, RemainderBelief remainder) CARGOBAY_NONBLOCKING;
-  // Both axes were read, but what they said is not known, or not to be believed.
-  void read_unseen() CARGOBAY_NONBLOCKING;
+  // `speeds`: of the wheels, as far as they are known otherwise.
+  void read(Axis axis, int count, int ticks, RemainderBelief remainder, const WheelSpeeds& speeds)
+      CARGOBAY_NONBLOCKING;
+  // The axis was read, but what it said is not known, or not to be believed.
+  void read_unseen(Axis axis) CARGOBAY_NONBLOCKING;
+
+  // To be called when all of a frame was read: what it taught is in the estimate then.
+  void conclude() CARGOBAY_NONBLOCKING;
 
   // Whether the commands have hardly changed of late: then all models foresee the same.
   bool steady() const CARGOBAY_NONBLOCKING;
@@ -75,75 +86,87 @@ class PlantBank {
   const WheelSpeeds& driven() const CARGOBAY_NONBLOCKING { return driven_; }
 
  private:
-  static constexpr std::size_t kLags = 8;
-  static constexpr std::size_t kRamps = 5;
-  static constexpr std::size_t kDeadTimes = 4;
-  static constexpr std::size_t kGroup = kLags * kRamps;  // the models of one dead time
-  static constexpr std::size_t kModels = kGroup * kDeadTimes;
-  static constexpr std::size_t kHistory = 8;  // ticks of commands
-  using Values = std::array<float, kModels>;  // of all models
+  using Lags = PlantModels::Lags;
+  using Models = PlantModels::Models;
+  using Drives = PlantModels::Drives;
+  using Memory = PlantModels::Memory;
 
-  // A wheel with a gain of 1, in each model.
-  struct alignas(16) Wheel {
-    Values ramped{};              // mm/s, the command after dead time and ramp
-    Values speed{};               // mm/s
-    Values input{};               // mm/s, what the lag follows: mean of the last tick
-    std::array<Values, 2> way{};  // mm, for each axis: since its last reading, older ones fading
-    Values gain{};
-  };
-  // What does not change with time.
-  struct alignas(16) Grid {
-    Values lag_s{};
-    Values lag_squared{};
-    Values decay{};           // of the speed in a tick
-    Values way_by_speed_s{};  // mm for each mm/s at the begin of a tick
-    Values most_mm_s{};       // by which the ramp lets the drive change in a tick
-    Values half{};            // of that change is missing from the mean of a tick: 0 or 0.5
-    Values ramp_s2_mm{};
-    Values prior{};
-    std::array<double, kDeadTimes> dead_time_s{};
-    std::array<std::size_t, kDeadTimes> whole_ticks{};  // of delay, and ...
-    std::array<float, kDeadTimes> part_tick{};          // ... the rest
-    void set(std::size_t model, double lag, double ramp, const Parameters& parameters);
-  };
   // Covariance of the gains.
-  struct alignas(16) GainCovariance {
-    Values left_left{};
-    Values left_right{};
-    Values right_right{};
+  struct GainCovariance {
+    Models left_left{};
+    Models left_right{};
+    Models right_right{};
   };
   // One axis of what is read.
   struct Readings {
-    float way_mm = 0.0F;  // as Wheel::way
-    int waiting = 0;      // readings that were not weighed
+    float way_mm = 0.0F;  // as far as it is remembered for longer
+    int waiting = 0;      // ticks since that was weighed
+    int weighed = 0;      // times since something of it was forgotten
     int misfits = 0;      // in a row; negative if the robot fell short
+    int since = 0;        // ticks since it was read
+    // The next reading began before what is remembered of the ways.
+    bool unsure = false;
+    // It is read every tick, and what is remembered of the last reading is old.
+    bool at_once = false;
   };
-  struct Seen;
+  // One reading, as it is weighed: the way lies between these.
+  struct Seen {
+    float low_mm;
+    float high_mm;
+    float variance;
+    bool lost;
+  };
 
-  static Grid grid(const Parameters& parameters);
-  float drive(Wheel& wheel, std::size_t which) CARGOBAY_NONBLOCKING;
+  // What the models of a lag expected of it, but for what they will foresee by their gains.
+  struct Expected {
+    std::size_t at;
+    float by_left;
+    float by_right;
+    Lags low_mm{};
+    Lags high_mm{};
+  };
+
+  void set_prior();
+  double expected_from(const LearntPlant& prior, std::size_t model) const CARGOBAY_NONBLOCKING;
+  void mix_gains(const LearntPlant& prior, std::size_t model, double share) CARGOBAY_NONBLOCKING;
+  void sum_drives() CARGOBAY_NONBLOCKING;
   float steps_mm(Axis axis) const CARGOBAY_NONBLOCKING;
-  void weigh(Axis axis, const Seen& seen) CARGOBAY_NONBLOCKING;
-  void learn(float by_left, const Values& left_way, float by_right, const Values& right_way,
-             const Seen& seen) CARGOBAY_NONBLOCKING;
+  void read_carried(Axis axis, const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
+  void read_window(Axis axis, int count, bool lost, const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
+  void fade(Axis axis, float part) CARGOBAY_NONBLOCKING;
+  bool alike() const CARGOBAY_NONBLOCKING;
+  void choose_drives(bool all) CARGOBAY_NONBLOCKING;
+  void weigh(Axis axis, Memory memory, const Seen& seen, const WheelSpeeds& speeds)
+      CARGOBAY_NONBLOCKING;
+  Expected expected_of(Axis axis, Memory memory, const Seen& seen) const CARGOBAY_NONBLOCKING;
+  std::array<Lanes, 2> ways(std::size_t drive, std::size_t part, const Expected& expected) const
+      CARGOBAY_NONBLOCKING;
+  float expect(std::size_t drive, const Expected& expected) CARGOBAY_NONBLOCKING;
+  float foreseen_variance(const Expected& expected) const CARGOBAY_NONBLOCKING;
+  float learn(std::size_t drive, const Seen& seen, const Expected& expected) CARGOBAY_NONBLOCKING;
+  void give_back(float before, float after) CARGOBAY_NONBLOCKING;
   bool load_changed(Readings& readings, float misfit, bool lost) CARGOBAY_NONBLOCKING;
-  void widen() CARGOBAY_NONBLOCKING;
-  void fade(std::size_t axis, float keep) CARGOBAY_NONBLOCKING;
-  void average() CARGOBAY_NONBLOCKING;
-  double gain_sd() const CARGOBAY_NONBLOCKING;
+  void begin_again(const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
+  void average_gains() CARGOBAY_NONBLOCKING;
+  void state_spread(float left_left, float left_right, float right_right) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
-  Grid grid_;
-  std::array<Wheel, 2> wheels_{};
+  PlantModels::Grid grid_;
+  PlantModels models_;
+  Models prior_{};
+  std::array<Models, 2> gain_{};
   GainCovariance covariance_{};
-  alignas(16) Values weight_{};
-  alignas(16) Values miss_{};  // mm, of the last reading
+  Models weight_{};
+  Models miss_{};                                           // mm, of the last reading
+  std::array<float, PlantModels::kDrives> drive_weight_{};  // sums over the lags
+  Drives drive_weights_{};                                  // the same
   std::array<Readings, 2> readings_{};
-  std::array<std::array<float, 2>, kHistory> commands_{};
-  std::size_t now_ = 0;      // the newest of them
+  std::array<bool, PlantModels::kDrives> chosen_{};  // to be weighed now
+  std::size_t turn_ = 0;     // of the drives that are weighed one after the other
   float excitation_ = 0.0F;  // mm/s: changes of the command, fading
   int frozen_ticks_ = 0;     // left, in which nothing is concluded about the plant
   int steady_ticks_ = 0;
+  bool concluded_ = true;  // all that was read is in the estimate
   PlantEstimate estimate_{};
   WheelSpeeds driven_{};
 };

@@ -38,67 +38,66 @@ struct Mixed {
 // a few readings.
 void PlantBank::begin_from(const LearntPlant& prior) CARGOBAY_NONBLOCKING {
   if (parameters_.told) return;
-  const double lag_sd = std::max(prior.lag_sd_s / prior.lag_s, kLeastLagSd);
-  const double dead_time_sd_s = std::max(prior.dead_time_sd_s, kLeastDeadTimeSdS);
-  const double ramp_sd_s2_mm = std::max(prior.ramp_sd_s2_mm, kLeastRampSdS2Mm);
-  Values likely{};
+  Models likely{};
   double whole = 0.0;
-  for (std::size_t i = 0; i < kModels; ++i) {
-    const auto lag_s = static_cast<double>(grid_.lag_s[i]);
-    const auto ramp_s2_mm = static_cast<double>(grid_.ramp_s2_mm[i]);
-    const double off =
-        square(std::log(lag_s / prior.lag_s) / lag_sd) +
-        square((grid_.dead_time_s[i / kGroup] - prior.dead_time_s) / dead_time_sd_s) +
-        square((ramp_s2_mm - prior.ramp_s2_mm) / ramp_sd_s2_mm);
-    likely[i] = static_cast<float>(std::exp(-0.5 * off));
-    whole += static_cast<double>(likely[i]);
+  for (std::size_t i = 0; i < PlantModels::kCount; ++i) {
+    const double likelihood = expected_from(prior, i);
+    PlantModels::set(likely, i, likelihood);
+    whole += likelihood;
   }
   constexpr double kLeast = 1e-6;
   if (!(whole > kLeast)) return;  // no model is like that
+  for (std::size_t i = 0; i < PlantModels::kCount; ++i) {
+    const double trusted = kTrust * static_cast<double>(PlantModels::of(likely, i)) / whole;
+    const double weight =
+        trusted + (1.0 - kTrust) * static_cast<double>(PlantModels::of(prior_, i));
+    PlantModels::set(weight_, i, weight);
+    mix_gains(prior, i, trusted / weight);
+  }
+  sum_drives();
+  concluded_ = false;
+  conclude();
+}
+
+double PlantBank::expected_from(const LearntPlant& prior, std::size_t model) const
+    CARGOBAY_NONBLOCKING {
+  const double lag_sd = std::max(prior.lag_sd_s / prior.lag_s, kLeastLagSd);
+  const double dead_time_sd_s = std::max(prior.dead_time_sd_s, kLeastDeadTimeSdS);
+  const double ramp_sd_s2_mm = std::max(prior.ramp_sd_s2_mm, kLeastRampSdS2Mm);
+  const double off = square(std::log(grid_.lag_of(model) / prior.lag_s) / lag_sd) +
+                     square((grid_.dead_time_of(model) - prior.dead_time_s) / dead_time_sd_s) +
+                     square((grid_.ramp_of(model) - prior.ramp_s2_mm) / ramp_sd_s2_mm);
+  return std::exp(-0.5 * off);
+}
+
+// The prior has this share of the model's weight.
+void PlantBank::mix_gains(const LearntPlant& prior, std::size_t model, double share)
+    CARGOBAY_NONBLOCKING {
+  const Mixed mixed{share};
   const double left_sd = std::max(prior.gain_left_sd, kLeastGainSd);
   const double right_sd = std::max(prior.gain_right_sd, kLeastGainSd);
-  for (std::size_t i = 0; i < kModels; ++i) {
-    const double trusted = kTrust * static_cast<double>(likely[i]) / whole;
-    const double weight = trusted + (1.0 - kTrust) * static_cast<double>(grid_.prior[i]);
-    const Mixed mixed{trusted / weight};
-    weight_[i] = static_cast<float>(weight);
-    float& left = wheels_[0].gain[i];
-    float& right = wheels_[1].gain[i];
-    const double left_off = prior.gain_left - static_cast<double>(left);
-    const double right_off = prior.gain_right - static_cast<double>(right);
-    left = static_cast<float>(mixed.mean(prior.gain_left, static_cast<double>(left)));
-    right = static_cast<float>(mixed.mean(prior.gain_right, static_cast<double>(right)));
-    const auto mix = [&](float& value, double of_prior, double between) CARGOBAY_NONBLOCKING {
-      value = static_cast<float>(mixed.covariance(of_prior, static_cast<double>(value)) +
-                                 mixed.between() * between);
-    };
-    mix(covariance_.left_left[i], square(left_sd), square(left_off));
-    mix(covariance_.right_right[i], square(right_sd), square(right_off));
-    mix(covariance_.left_right[i], kGainCorrelation * left_sd * right_sd, left_off * right_off);
-  }
-  average();
+  const auto left = static_cast<double>(PlantModels::of(gain_[0], model));
+  const auto right = static_cast<double>(PlantModels::of(gain_[1], model));
+  const double left_off = prior.gain_left - left;
+  const double right_off = prior.gain_right - right;
+  PlantModels::set(gain_[0], model, mixed.mean(prior.gain_left, left));
+  PlantModels::set(gain_[1], model, mixed.mean(prior.gain_right, right));
+  const auto mix = [&](Models& models, double of_prior, double between) CARGOBAY_NONBLOCKING {
+    const auto value = static_cast<double>(PlantModels::of(models, model));
+    PlantModels::set(models, model, mixed.covariance(of_prior, value) + mixed.between() * between);
+  };
+  mix(covariance_.left_left, square(left_sd), square(left_off));
+  mix(covariance_.right_right, square(right_sd), square(right_off));
+  mix(covariance_.left_right, kGainCorrelation * left_sd * right_sd, left_off * right_off);
 }
 
 LearntPlant PlantBank::learnt() const CARGOBAY_NONBLOCKING {
   double dead_time = 0.0;
   double ramp = 0.0;
-  double left = 0.0;
-  double right = 0.0;
-  // The estimate's gains are within bounds; these are what the variances are about.
-  double left_mean = 0.0;
-  double right_mean = 0.0;
-  for (std::size_t i = 0; i < kModels; ++i) {
-    left_mean += static_cast<double>(weight_[i] * wheels_[0].gain[i]);
-    right_mean += static_cast<double>(weight_[i] * wheels_[1].gain[i]);
-  }
-  for (std::size_t i = 0; i < kModels; ++i) {
-    const auto weight = static_cast<double>(weight_[i]);
-    dead_time += weight * square(grid_.dead_time_s[i / kGroup] - estimate_.dead_time_s);
-    ramp += weight * square(static_cast<double>(grid_.ramp_s2_mm[i]) - estimate_.ramp_s2_mm);
-    left += weight * (square(static_cast<double>(wheels_[0].gain[i]) - left_mean) +
-                      static_cast<double>(covariance_.left_left[i]));
-    right += weight * (square(static_cast<double>(wheels_[1].gain[i]) - right_mean) +
-                       static_cast<double>(covariance_.right_right[i]));
+  for (std::size_t i = 0; i < PlantModels::kCount; ++i) {
+    const auto weight = static_cast<double>(PlantModels::of(weight_, i));
+    dead_time += weight * square(grid_.dead_time_of(i) - estimate_.dead_time_s);
+    ramp += weight * square(grid_.ramp_of(i) - estimate_.ramp_s2_mm);
   }
   return {.lag_s = estimate_.lag_s,
           .lag_sd_s = estimate_.lag_sd_s,
@@ -107,9 +106,9 @@ LearntPlant PlantBank::learnt() const CARGOBAY_NONBLOCKING {
           .ramp_s2_mm = estimate_.ramp_s2_mm,
           .ramp_sd_s2_mm = std::sqrt(ramp),
           .gain_left = estimate_.gain_left,
-          .gain_left_sd = std::sqrt(std::max(left, 0.0)),
+          .gain_left_sd = estimate_.gain_left_sd,
           .gain_right = estimate_.gain_right,
-          .gain_right_sd = std::sqrt(std::max(right, 0.0))};
+          .gain_right_sd = estimate_.gain_right_sd};
 }
 
 }  // namespace cargobay::rt

@@ -1,22 +1,39 @@
 #include "rt/read_schedule.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cargobay::rt {
+namespace {
+
+constexpr int kMostTurnTicks = 100'000;
+constexpr double kShowsSteps = 0.25;  // a tick: less says nothing about the kind
+constexpr double kManySteps = 30.0;
+constexpr double kGatheredSteps = 1.5;  // then the direction is known, and what a reading loses
+
+bool shows(const WheelEstimator::Unread& axis) CARGOBAY_NONBLOCKING {
+  return std::abs(axis.steps_a_tick) >= kShowsSteps;
+}
+
+}  // namespace
 
 void ReadSchedule::begin(Phase phase) CARGOBAY_NONBLOCKING {
   phase_ = phase;
   in_phase_ = 0;
 }
 
-// A window, successive readings, and so on in turn.
-bool ReadSchedule::probe() CARGOBAY_NONBLOCKING {
+// A window, successive readings, and so on in turn. An axis in which the robot hardly moves would
+// only lose.
+Axes ReadSchedule::probe(const Now& now) CARGOBAY_NONBLOCKING {
   if (phase_ == Phase::reads && in_phase_ >= parameters_.probe_reads) begin(Phase::window);
   ++in_phase_;
-  if (phase_ == Phase::reads) return true;
-  if (in_phase_ < parameters_.probe_window_ticks) return false;
+  const bool turns = shows(now.turn);
+  const bool goes = shows(now.distance);
+  if (phase_ == Phase::reads && now.belief == RemainderBelief::carried) return kBothAxes;
+  if (phase_ == Phase::reads) return {.distance = goes || !turns, .turn = turns};
+  if (in_phase_ < parameters_.probe_window_ticks) return {};
   begin(Phase::reads);
-  return true;
+  return {.distance = true, .turn = turns || turn_pays(now.turn)};
 }
 
 bool ReadSchedule::window(int ticks) CARGOBAY_NONBLOCKING {
@@ -25,17 +42,23 @@ bool ReadSchedule::window(int ticks) CARGOBAY_NONBLOCKING {
   return true;
 }
 
-// A window is half as long as the speed has been steady, within its limits.
-bool ReadSchedule::windowed() CARGOBAY_NONBLOCKING {
-  return window(std::clamp(steady_ / 2, parameters_.least_window_ticks, parameters_.window_ticks));
+bool ReadSchedule::turn_pays(const WheelEstimator::Unread& turn) const CARGOBAY_NONBLOCKING {
+  if (since_turn_ < parameters_.least_turn_ticks) return false;
+  const double gathered = std::abs(turn.steps);
+  // What is known may be wrong, and so much costs little.
+  if (gathered >= kManySteps) return true;
+  if (gathered >= kGatheredSteps)
+    return turn.sd >= parameters_.turn_sd || since_turn_ >= parameters_.rest_ticks;
+  if (turn.sd >= parameters_.most_turn_sd) return true;
+  return turn.sd >= parameters_.idle_turn_sd && since_turn_ >= 2 * turn.blank_ticks;
 }
 
-bool ReadSchedule::check_due(RemainderBelief belief, bool sure) CARGOBAY_NONBLOCKING {
+bool ReadSchedule::check_due(const Now& now) CARGOBAY_NONBLOCKING {
   ++since_check_;
   if (check_ends_ == 0) {
-    const int due = !sure                                ? parameters_.recheck_unsure_ticks
-                    : belief == RemainderBelief::carried ? parameters_.recheck_carried_ticks
-                                                         : parameters_.recheck_lost_ticks;
+    const int due = !now.sure                                ? parameters_.recheck_unsure_ticks
+                    : now.belief == RemainderBelief::carried ? parameters_.recheck_carried_ticks
+                                                             : parameters_.recheck_lost_ticks;
     if (since_check_ < due) return false;
     begin(Phase::window);
     check_ends_ = since_check_ + parameters_.probe_reads + 2 * parameters_.probe_window_ticks;
@@ -46,24 +69,47 @@ bool ReadSchedule::check_due(RemainderBelief belief, bool sure) CARGOBAY_NONBLOC
   return false;
 }
 
-bool ReadSchedule::next_reads(RemainderBelief belief, bool sure, Motion motion)
-    CARGOBAY_NONBLOCKING {
-  steady_ = motion == Motion::steady ? std::min(steady_ + 1, 2 * parameters_.window_ticks) : 0;
-  if (motion == Motion::none) {  // nothing to lose: start the next motion with fresh counters
-    begin(Phase::window);
-    moving_ = 0;
-    check_ends_ = 0;
-    return true;
-  }
+// A robot that carries the remainder has nothing to lose: it starts the next motion with fresh
+// counters. Neither has another once it has stood for a while; before that, the next motion may
+// make a whole step of what is left.
+Axes ReadSchedule::rest(const Now& now) CARGOBAY_NONBLOCKING {
+  begin(Phase::window);
+  moving_ = 0;
+  check_ends_ = 0;
+  resting_ = std::min(resting_ + 1, parameters_.rest_ticks);
+  if (now.belief != RemainderBelief::lost || resting_ == parameters_.rest_ticks) return kBothAxes;
+  return {.distance = true, .turn = turn_pays(now.turn)};
+}
+
+Axes ReadSchedule::next_reads(const Now& now) CARGOBAY_NONBLOCKING {
+  const Axes reads = choose(now);
+  since_turn_ = reads.turn ? 0 : std::min(since_turn_ + 1, kMostTurnTicks);
+  return reads;
+}
+
+Axes ReadSchedule::choose(const Now& now) CARGOBAY_NONBLOCKING {
+  steady_ = now.motion == Motion::steady ? std::min(steady_ + 1, 2 * parameters_.window_ticks) : 0;
+  if (now.motion == Motion::none) return rest(now);
+  resting_ = 0;
   moving_ = std::min(moving_ + 1, parameters_.probe_most_ticks);
+  if (now.motion == Motion::doubtful) {
+    const bool due = window(parameters_.least_window_ticks);
+    return {.distance = due, .turn = due};
+  }
   // At some speeds the kind does not show; long windows serve both.
-  if (belief == RemainderBelief::unknown && moving_ < parameters_.probe_most_ticks) {
+  if (now.belief == RemainderBelief::unknown && moving_ < parameters_.probe_most_ticks) {
     const bool probes =
         steady_ >= parameters_.probe_steady_ticks || moving_ >= parameters_.probe_moving_ticks;
-    return probes ? probe() : window(parameters_.probe_window_ticks);
+    if (probes) return probe(now);
+    const bool due = window(parameters_.begin_window_ticks);
+    return {.distance = due, .turn = due && (shows(now.turn) || turn_pays(now.turn))};
   }
-  if (check_due(belief, sure)) return probe();
-  return belief == RemainderBelief::carried || windowed();
+  if (check_due(now)) return probe(now);
+  if (now.belief == RemainderBelief::carried) return kBothAxes;
+  // A window is half as long as the speed has been steady, within its limits.
+  return {.distance = window(
+              std::clamp(steady_ / 2, parameters_.least_window_ticks, parameters_.window_ticks)),
+          .turn = turn_pays(now.turn)};
 }
 
 }  // namespace cargobay::rt

@@ -9,6 +9,7 @@ namespace cargobay::rt {
 namespace {
 
 constexpr int kLeastSingle = 6;
+constexpr int kMostSingle = 15;
 constexpr int kLeastWindow = 6;        // ticks: shorter ones lose nearly as much as a single tick
 constexpr int kLeastCount = 2;         // steps in a window; below, both kinds read nothing
 constexpr double kMostEvidence = 4.0;  // of one axis: no single event may decide
@@ -47,9 +48,11 @@ void RemainderJudge::Sum::add(int more_ticks, const Counts& more) CARGOBAY_NONBL
   counts.turn += more.turn;
 }
 
-double RemainderJudge::read(int ticks, const Counts& counts) CARGOBAY_NONBLOCKING {
+double RemainderJudge::read(int ticks, const Counts& counts, bool steady) CARGOBAY_NONBLOCKING {
   if (ticks == 1) {
     if (before_.ticks > 0) single_.add(ticks, counts);
+    // So far behind the window, the robot may have stopped in between.
+    if (single_.ticks > kMostSingle && !steady) doubt();
     return 0.0;
   }
   const Sum before = before_;

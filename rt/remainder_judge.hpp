@@ -20,9 +20,10 @@ class RemainderJudge {
     int turn = 0;      // degrees
   };
 
-  // The counters were read `ticks` after they were last read. Returns the evidence for `carried`
-  // over `lost` that this completes, natural logarithm of the odds; 0 if none.
-  double read(int ticks, const Counts& counts) CARGOBAY_NONBLOCKING;
+  // The counters were read `ticks` after they were last read. `steady`: the robot is asked for the
+  // same speed as before. Returns the evidence for `carried` over `lost` that this completes,
+  // natural logarithm of the odds; 0 if none.
+  double read(int ticks, const Counts& counts, bool steady = false) CARGOBAY_NONBLOCKING;
 
   // A reading was missed or is not to be believed: begins again.
   void doubt() CARGOBAY_NONBLOCKING {

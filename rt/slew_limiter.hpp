@@ -44,6 +44,13 @@ class SlewLimiter {
     return change({}, step_s,
                   [most_mm_s](double, double) CARGOBAY_NONBLOCKING { return most_mm_s; });
   }
+  // Where step() would be `seconds` later, if the target stayed. Changes nothing.
+  SlewLimiter ahead(const WheelSpeeds& target, double seconds, double step_s) const
+      CARGOBAY_NONBLOCKING {
+    SlewLimiter later{*this};
+    for (; seconds > 0.0; seconds -= step_s) later.step(target, std::min(seconds, step_s));
+    return later;
+  }
   const WheelSpeeds& speeds() const CARGOBAY_NONBLOCKING { return speeds_; }
   // Accelerations of the last step, mm/s^2.
   const WheelSpeeds& rates() const CARGOBAY_NONBLOCKING { return rates_; }

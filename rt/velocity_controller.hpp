@@ -30,8 +30,9 @@ class VelocityController {
     double speed_mm_s = 0.0;
   };
   struct Wish {
-    double set_mm_s = 0.0;
-    double rate_mm_s2 = 0.0;   // at which that changes
+    double set_mm_s = 0.0;     // now
+    double ahead_mm_s = 0.0;   // when the command will act
+    double rate_mm_s2 = 0.0;   // at which it changes then
     double target_mm_s = 0.0;  // and where to
   };
 
@@ -39,6 +40,10 @@ class VelocityController {
   // target if that is faster, and these mm/s beyond it, for the strongest motor.
   static constexpr double kMostOverSet = 1.7;
   static constexpr double kMostBeyondMmS = 50.0;
+
+  // The most that a wheel is commanded to for a set speed or target, whatever the readings say;
+  // without the robot's range.
+  static double most_mm_s(double set_mm_s) CARGOBAY_NONBLOCKING;
 
   explicit VelocityController(const Parameters& parameters) : parameters_{parameters} {}
 

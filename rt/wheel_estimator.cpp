@@ -21,8 +21,13 @@ constexpr double kMostOfFilters = 2.0;     // of one reading
 constexpr double kMostOfAllFilters = 6.0;  // enough to decide while the counts are silent
 constexpr double kCountsSpeak = 2.5;       // from then on, filters that contradict are not heard
 constexpr double kSureLogOdds = 10.0;
-constexpr double kMostSpeed = 600.0;  // mm/s, a fifth above the robot's range
-constexpr double kSlackSteps = 2.0;   // of the counter
+// The turn of a robot that loses the remainder is foreseen for seconds, so its noise must be true:
+// a part of what lets the filter follow readings of every tick, and less where the lag smooths it.
+constexpr double kCalm = 0.7;
+constexpr double kCalmResponse = 0.139;  // of a lag of 100 ms
+constexpr double kOneAxis = 0.7;         // both wheels err alike only in part
+constexpr double kMostSpeed = 600.0;     // mm/s, a fifth above the robot's range
+constexpr double kSlackSteps = 2.0;      // of the counter
 
 AxisFilter::Parameters distance_axis(const WheelEstimator::Parameters& parameters) {
   return {.step_mm = 1.0,
@@ -32,11 +37,11 @@ AxisFilter::Parameters distance_axis(const WheelEstimator::Parameters& parameter
 }
 
 // The turn axis is right minus left, in mm.
-AxisFilter::Parameters turn_axis(const WheelEstimator::Parameters& parameters) {
+AxisFilter::Parameters turn_axis(const WheelEstimator::Parameters& parameters, bool lost) {
   return {.step_mm = parameters.wheel_base_mm * std::numbers::pi / 180.0,
           .tick_s = parameters.tick_s,
-          .speed_noise_mm_s = parameters.speed_noise_mm_s * std::numbers::sqrt2,
-          .disturbance_noise_mm_s = 2.0,
+          .speed_noise_mm_s = lost ? 0.0 : parameters.speed_noise_mm_s * std::numbers::sqrt2,
+          .disturbance_noise_mm_s = lost ? 1.5 : 2.0,
           .counter_noise_mm = 0.2};
 }
 
@@ -62,11 +67,11 @@ WheelEstimator::WheelEstimator(const Parameters& parameters)
     : parameters_{parameters},
       carried_{Remainder::carried,
                AxisFilter{distance_axis(parameters)},
-               AxisFilter{turn_axis(parameters)},
+               AxisFilter{turn_axis(parameters, false)},
                {}},
       lost_{Remainder::lost,
             AxisFilter{distance_axis(parameters)},
-            AxisFilter{turn_axis(parameters)},
+            AxisFilter{turn_axis(parameters, true)},
             {}},
       bank_{{.wheel_base_mm = parameters.wheel_base_mm,
              .tick_s = parameters.tick_s,
@@ -86,13 +91,12 @@ void WheelEstimator::reset() CARGOBAY_NONBLOCKING {
   lost_likelihood_ = 0.0;
   bank_.reset();
   if (parameters_.prior) bank_.begin_from(*parameters_.prior);
-  judge_.doubt();
-  zeros_ = 0;
+  // The first reading counts from the robot's last read, whenever that was.
+  distance_ = {.unsure = true};
+  turn_ = {.unsure = true};
   command_unsure_ = 0;
   moved_ticks_ = 0;
-  ticks_since_read_ = 0;
   gone_through_ = 0;
-  reading_unsure_ = true;  // the first reading counts from the robot's last read, whenever that was
   counts_say_ = 0.0;
   filters_say_ = 0.0;
   set_log_odds(0.0);
@@ -114,59 +118,106 @@ void WheelEstimator::predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
                            plant.gain_right * bank_.driven().right_mm_s};
   const AxisFilter::Response response = AxisFilter::response(plant.lag_s, parameters_.tick_s);
   // A gain that is wrong shows in the speed itself; a lag, while it changes.
-  const double gain_sd = plant.gain_sd * length(driven.left_mm_s, driven.right_mm_s);
-  const double lag_sd =
-      plant.lag_sd_s / plant.lag_s *
-      length(driven.left_mm_s - now.left_mm_s, driven.right_mm_s - now.right_mm_s);
-  const double speed_sd = response.speed_by_input * length(gain_sd, lag_sd);
+  const double mean = (driven.left_mm_s + driven.right_mm_s) / 2.0;
+  const double difference = driven.right_mm_s - driven.left_mm_s;
+  const double lag_share = plant.lag_sd_s / plant.lag_s;
+  const double half_sd =
+      kOneAxis *
+      length(plant.gain_sd * mean, lag_share * (mean - (now.left_mm_s + now.right_mm_s) / 2.0));
+  const double whole_sd =
+      kOneAxis * length(plant.gain_sd * difference,
+                        lag_share * (difference - (now.right_mm_s - now.left_mm_s)));
   const double astray =
       length(coasting_error_mm(command.left_mm_s, now.left_mm_s, parameters_.tick_s),
              coasting_error_mm(command.right_mm_s, now.right_mm_s, parameters_.tick_s));
-  const AxisFilter::Doubt half{speed_sd / 2.0, astray / 2.0};
-  const AxisFilter::Doubt whole{speed_sd, astray};
+  const AxisFilter::Doubt half{response.speed_by_input * half_sd, astray / 2.0};
+  const double calm = kCalm * parameters_.speed_noise_mm_s * std::numbers::sqrt2 *
+                      std::min(1.0, response.speed_by_input / kCalmResponse);
+  const AxisFilter::Doubt whole{response.speed_by_input * whole_sd, astray};
+  const AxisFilter::Doubt whole_lost{length(whole.speed_mm_s, calm), astray};
   constexpr double kDriven = 0.1;  // mm/s
   const bool coasts = std::abs(driven.left_mm_s) < kDriven && std::abs(driven.right_mm_s) < kDriven;
   for (Hypothesis* hypothesis : {&carried_, &lost_}) {
     if (coasts) {
       hypothesis->distance.coast(response, half);
-      hypothesis->turn.coast(response, whole);
+      hypothesis->turn.coast(response, hypothesis == &lost_ ? whole_lost : whole);
     } else {
       hypothesis->distance.predict((driven.left_mm_s + driven.right_mm_s) / 2.0, response, half);
-      hypothesis->turn.predict(driven.right_mm_s - driven.left_mm_s, response, whole);
+      hypothesis->turn.predict(driven.right_mm_s - driven.left_mm_s, response,
+                               hypothesis == &lost_ ? whole_lost : whole);
     }
   }
-  ++ticks_since_read_;
+  ++distance_.ticks;
+  ++turn_.ticks;
+  turn_.straight_mm +=
+      parameters_.tick_s * (bank_.driven().left_mm_s + bank_.driven().right_mm_s) / 2.0;
+  if (command != WheelSpeeds{}) {
+    distance_.zeros = 0;
+    turn_.zeros = 0;
+  }
 }
 
-void WheelEstimator::step(const WheelSpeeds& command, const std::optional<Reading>& reading)
-    CARGOBAY_NONBLOCKING {
+void WheelEstimator::step(const WheelSpeeds& command, const Reading& reading) CARGOBAY_NONBLOCKING {
+  seen_ = {};
   if (gone_through_ > 0) {
     --gone_through_;
-    reading_unsure_ = reading_unsure_ || reading.has_value();
+    doubt_next_reading(reading.axes());
+    seen_.how = Seen::How::past;
     return;
   }
   predict(command);
-  if (!reading.has_value()) return;
-  const bool believed = plausible(*reading);
-  const int ticks = ticks_since_read_;
-  ticks_since_read_ = 0;
-  if (!believed || reading_unsure_) {
-    read_unseen();
-    return;
+  if (!reading.axes().any()) return;
+  const bool believed = plausible(reading);
+  const bool unsure =
+      (reading.distance_mm && distance_.unsure) || (reading.angle_deg && turn_.unsure);
+  seen_ = {.how = unsure     ? Seen::How::unsure
+                  : believed ? Seen::How::believed
+                             : Seen::How::impossible,
+           .distance_ticks = distance_.ticks,
+           .turn_ticks = turn_.ticks};
+  if (!believed) doubt_next_reading(reading.axes());
+  Evidence evidence;
+  if (reading.distance_mm) evidence = read(Axis::distance, *reading.distance_mm);
+  if (reading.angle_deg) {
+    const Evidence of_turn = read(Axis::turn, *reading.angle_deg);
+    evidence.by_counts += of_turn.by_counts;
+    evidence.by_filters += of_turn.by_filters;
   }
-  const bool zero = reading->distance_mm == 0 && reading->angle_deg == 0;
-  zeros_ = zero ? zeros_ + 1 : 0;
-  const double carried = carried_.distance.read(reading->distance_mm, Remainder::carried) +
-                         carried_.turn.read(reading->angle_deg, Remainder::carried);
-  const double lost = lost_.distance.read(reading->distance_mm, Remainder::lost) +
-                      lost_.turn.read(reading->angle_deg, Remainder::lost);
+  bank_.conclude();
+  const bool silent = sure() || command_unsure_ > 0 || bank_.steady();
+  weigh(evidence.by_counts, silent ? 0.0 : by_filters(evidence.by_filters));
+}
+
+WheelEstimator::Evidence WheelEstimator::read(Axis axis, int count) CARGOBAY_NONBLOCKING {
+  const bool turns = axis == Axis::turn;
+  Counter& counter = turns ? turn_ : distance_;
+  const int ticks = std::exchange(counter.ticks, 0);
+  const bool surprises = surprising(axis, count);
+  const bool once = surprises && !counter.surprised;
+  counter.surprised = once;
+  if (std::exchange(counter.unsure, false) || once) {
+    read_unseen(axis);
+    return {};
+  }
+  counter.zeros = count == 0 ? counter.zeros + 1 : 0;
+  counter.blank_ticks = count == 0 ? ticks : 0;
+  const double straight_mm = std::exchange(counter.straight_mm, 0.0);
+  if (turns && ticks > 1) {
+    const double off_mm = bank_.estimate().gain_difference_sd * straight_mm;
+    const double off_mm_s = off_mm / (ticks * parameters_.tick_s);
+    carried_.turn.doubt_all_along(off_mm, off_mm_s);
+    lost_.turn.doubt_all_along(off_mm, off_mm_s);
+  }
+  const double carried =
+      (turns ? carried_.turn : carried_.distance).read(count, Remainder::carried);
+  const double lost = (turns ? lost_.turn : lost_.distance).read(count, Remainder::lost);
   carried_likelihood_ += carried;
   lost_likelihood_ += lost;
-  bank_.read(PlantBank::Axis::distance, reading->distance_mm, ticks, belief_);
-  bank_.read(PlantBank::Axis::turn, reading->angle_deg, ticks, belief_);
-  const double by_counts = judge_.read(ticks, {reading->distance_mm, reading->angle_deg});
-  const bool silent = sure() || command_unsure_ > 0 || bank_.steady();
-  weigh(by_counts, silent ? 0.0 : by_filters(carried - lost));
+  bank_.read(axis, count, ticks, belief_, speeds());
+  const RemainderJudge::Counts counts =
+      turns ? RemainderJudge::Counts{.turn = count} : RemainderJudge::Counts{.distance = count};
+  return {.by_counts = counter.judge.read(ticks, counts, bank_.steady()),
+          .by_filters = turns ? std::max(0.0, carried - lost) : carried - lost};
 }
 
 void WheelEstimator::doubt_command() CARGOBAY_NONBLOCKING {
@@ -175,28 +226,44 @@ void WheelEstimator::doubt_command() CARGOBAY_NONBLOCKING {
       static_cast<int>(std::ceil(kLags * bank_.estimate().lag_s / parameters_.tick_s));
 }
 
-// Whether a robot at full speed, and then some, could have gone this far since the last reading.
+// Whether it is far from all that was foreseen. Once, that is noise on the line or a robot that was
+// pushed; twice in a row, it is so.
+bool WheelEstimator::surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING {
+  constexpr double kSd = 8.0;
+  constexpr double kPart = 0.5;  // of what was foreseen
+  constexpr double kSteps = 3.0;
+  const bool turns = axis == Axis::turn;
+  const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
+  const AxisFilter& filter = turns ? likely.turn : likely.distance;
+  const double step_mm = turns ? parameters_.wheel_base_mm * std::numbers::pi / 180.0 : 1.0;
+  const double off_mm = std::abs(count * step_mm - filter.unread_mm());
+  return off_mm > kSd * std::sqrt(filter.unread_variance()) + kPart * std::abs(filter.unread_mm()) +
+                      kSteps * step_mm;
+}
+
+// Whether a robot at full speed, and then some, could have gone this far since the last readings.
 bool WheelEstimator::plausible(const Reading& reading) const CARGOBAY_NONBLOCKING {
-  const double most_mm = kMostSpeed * parameters_.tick_s * ticks_since_read_ + kSlackSteps;
+  const auto most_mm = [&](const Counter& counter) CARGOBAY_NONBLOCKING {
+    return kMostSpeed * parameters_.tick_s * counter.ticks + kSlackSteps;
+  };
   const double most_deg =
-      2.0 * most_mm / parameters_.wheel_base_mm * 180.0 / std::numbers::pi + kSlackSteps;
-  return std::abs(reading.distance_mm) <= most_mm && std::abs(reading.angle_deg) <= most_deg;
+      2.0 * most_mm(turn_) / parameters_.wheel_base_mm * 180.0 / std::numbers::pi + kSlackSteps;
+  return std::abs(reading.distance_mm.value_or(0)) <= most_mm(distance_) &&
+         std::abs(reading.angle_deg.value_or(0)) <= most_deg;
 }
 
-void WheelEstimator::read_unseen() CARGOBAY_NONBLOCKING {
-  reading_unsure_ = false;
-  judge_.doubt();
-  bank_.read_unseen();
-  for (Hypothesis* hypothesis : {&carried_, &lost_}) {
-    hypothesis->distance.read_unseen(hypothesis->remainder);
-    hypothesis->turn.read_unseen(hypothesis->remainder);
-  }
+void WheelEstimator::read_unseen(Axis axis) CARGOBAY_NONBLOCKING {
+  const bool turns = axis == Axis::turn;
+  (turns ? turn_ : distance_).judge.doubt();
+  bank_.read_unseen(axis);
+  for (Hypothesis* hypothesis : {&carried_, &lost_})
+    (turns ? hypothesis->turn : hypothesis->distance).read_unseen(hypothesis->remainder);
 }
 
-void WheelEstimator::step_lost(const WheelSpeeds& command, bool may_have_read)
+void WheelEstimator::step_lost(const WheelSpeeds& command, const Axes& may_have_read)
     CARGOBAY_NONBLOCKING {
   predict(command);
-  if (may_have_read) reading_unsure_ = true;
+  doubt_next_reading(may_have_read);
 }
 
 // The filters may decide for now, but never against the counts.
@@ -254,6 +321,15 @@ WheelSpeeds WheelEstimator::disturbances() const CARGOBAY_NONBLOCKING {
   return mix(&AxisFilter::disturbance_mm_s);
 }
 
+Course::Ways WheelEstimator::ways() const CARGOBAY_NONBLOCKING {
+  const auto of = [](const Hypothesis& hypothesis) CARGOBAY_NONBLOCKING {
+    const double mean = hypothesis.distance.travel_mm();
+    const double half = hypothesis.turn.travel_mm() / 2.0;
+    return WheelSpeeds{mean - half, mean + half};
+  };
+  return {.if_carried = of(carried_), .if_lost = of(lost_)};
+}
+
 Travel WheelEstimator::take_travel(Hypothesis& hypothesis) const CARGOBAY_NONBLOCKING {
   const double base = parameters_.wheel_base_mm;
   const Taken now{.distance_mm = hypothesis.distance.travel_mm(),
@@ -273,6 +349,32 @@ Travel WheelEstimator::take_travel(Hypothesis& hypothesis) const CARGOBAY_NONBLO
 
 Travels WheelEstimator::take_travels() CARGOBAY_NONBLOCKING {
   return {.if_carried = take_travel(carried_), .if_lost = take_travel(lost_)};
+}
+
+WheelEstimator::Unread WheelEstimator::unread_distance() const CARGOBAY_NONBLOCKING {
+  const AxisFilter& axis = lost_.distance;
+  return {.steps = axis.unread_mm(),
+          .sd = std::sqrt(axis.unread_variance()),
+          .steps_a_tick = axis.speed_mm_s() * parameters_.tick_s};
+}
+
+WheelEstimator::Unread WheelEstimator::unread_turn() const CARGOBAY_NONBLOCKING {
+  const AxisFilter& axis = lost_.turn;
+  const double step_mm = parameters_.wheel_base_mm * std::numbers::pi / 180.0;
+  const double off_mm = bank_.estimate().gain_difference_sd * turn_.straight_mm;
+  return {.steps = axis.unread_mm() / step_mm,
+          .sd = length(std::sqrt(axis.unread_variance()), off_mm) / step_mm,
+          .steps_a_tick = axis.speed_mm_s() * parameters_.tick_s / step_mm,
+          .blank_ticks = turn_.blank_ticks};
+}
+
+bool WheelEstimator::rests() const CARGOBAY_NONBLOCKING {
+  constexpr double kKnownSd = 1.2;      // steps
+  constexpr double kStillSteps = 0.01;  // a tick
+  if (distance_.zeros < 2) return false;
+  if (turn_.zeros >= 2) return true;
+  const Unread turn = unread_turn();
+  return turn.sd < kKnownSd && std::abs(turn.steps_a_tick) < kStillSteps;
 }
 
 bool WheelEstimator::sure() const CARGOBAY_NONBLOCKING {

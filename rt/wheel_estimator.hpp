@@ -13,7 +13,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "rt/axes.hpp"
 #include "rt/axis_filter.hpp"
+#include "rt/course.hpp"
 #include "rt/nonblocking.hpp"
 #include "rt/plant_bank.hpp"
 #include "rt/remainder.hpp"
@@ -41,10 +43,35 @@ class WheelEstimator {
     std::optional<LearntPlant> prior{};
   };
 
-  // What a frame said about the counters.
+  // What a frame said about the counters: those that it reads.
   struct Reading {
-    int distance_mm = 0;
-    int angle_deg = 0;
+    std::optional<int> distance_mm{};
+    std::optional<int> angle_deg{};
+    constexpr Axes axes() const CARGOBAY_NONBLOCKING {
+      return {.distance = distance_mm.has_value(), .turn = angle_deg.has_value()};
+    }
+  };
+  // What has gathered on an axis since it was last read, in steps of its counter, as far as is
+  // known.
+  struct Unread {
+    double steps = 0.0;
+    double sd = 0.0;
+    double steps_a_tick = 0.0;  // by which it grows now
+    int blank_ticks = 0;        // that its last reading took to say 0; 0 if it said more
+  };
+
+  // What became of the reading of a step.
+  struct Seen {
+    enum class How : std::uint8_t {
+      none,  // there was none
+      past,  // its tick had been counted before
+      believed,
+      unsure,      // it may cover another time than it seems to
+      impossible,  // no robot can have gone so far
+    };
+    How how = How::none;
+    int distance_ticks = 0;  // since its last reading
+    int turn_ticks = 0;
   };
 
   explicit WheelEstimator(const Parameters& parameters);
@@ -53,25 +80,38 @@ class WheelEstimator {
   void reset() CARGOBAY_NONBLOCKING;
 
   // One tick of the robot has passed and its frame is here. `command`: what was sent in answer to
-  // the frame before. `reading`: what the frame carries; nothing if it does not read the counters.
-  void step(const WheelSpeeds& command, const std::optional<Reading>& reading) CARGOBAY_NONBLOCKING;
+  // the frame before. `reading`: what the frame carries.
+  void step(const WheelSpeeds& command, const Reading& reading) CARGOBAY_NONBLOCKING;
 
-  // The next reading may cover several ticks. That cannot be known yet, so it says nothing.
-  void doubt_next_reading() CARGOBAY_NONBLOCKING { reading_unsure_ = true; }
+  // The next reading of these may cover several ticks. That cannot be known yet, so it says
+  // nothing.
+  void doubt_next_reading(const Axes& axes) CARGOBAY_NONBLOCKING {
+    distance_.unsure = distance_.unsure || axes.distance;
+    turn_.unsure = turn_.unsure || axes.turn;
+  }
 
   // It is not known from which tick on the present command acts, for example when the robot was
   // told to stop while no frames arrived: for three lags, what the filters expect is no evidence
   // for either kind.
   void doubt_command() CARGOBAY_NONBLOCKING;
 
-  // One tick has passed and its frame is lost. `may_have_read`: it may have carried a reading.
-  void step_lost(const WheelSpeeds& command, bool may_have_read) CARGOBAY_NONBLOCKING;
+  // One tick has passed and its frame is lost. `may_have_read`: what it may have carried.
+  void step_lost(const WheelSpeeds& command, const Axes& may_have_read) CARGOBAY_NONBLOCKING;
 
   // The next `frames` frames were taken for lost: their ticks have been counted. What they read is
   // of the past and will be missing from the reading after them, so neither says anything.
   void came_after_all(int frames) CARGOBAY_NONBLOCKING { gone_through_ += frames; }
 
+  // Of the last step().
+  // Whether the last reading of an axis was far from all that was foreseen.
+  bool surprised() const CARGOBAY_NONBLOCKING { return distance_.surprised || turn_.surprised; }
+  const Seen& seen() const CARGOBAY_NONBLOCKING { return seen_; }
+
   WheelSpeeds speeds() const CARGOBAY_NONBLOCKING;
+  // How far the wheels have gone since reset(), for each kind that the robot may be of.
+  Course::Ways ways() const CARGOBAY_NONBLOCKING;
+  // How likely the robot is to carry the remainder.
+  double carried() const CARGOBAY_NONBLOCKING { return carried_weight_; }
   // Travel since the last call, or since reset(), for each kind that the robot may be of.
   Travels take_travels() CARGOBAY_NONBLOCKING;
   RemainderBelief belief() const CARGOBAY_NONBLOCKING { return belief_; }
@@ -84,8 +124,12 @@ class WheelEstimator {
   WheelSpeeds disturbances() const CARGOBAY_NONBLOCKING;
   // Whether much speaks for it.
   bool sure() const CARGOBAY_NONBLOCKING;
-  // Whether the counters have read 0 twice in a row.
-  bool rests() const CARGOBAY_NONBLOCKING { return zeros_ >= 2; }
+  // Whether the robot stands still, by what was read: the distance was 0 twice in a row, and so was
+  // the angle, or it is known well enough that nothing more gathers.
+  bool rests() const CARGOBAY_NONBLOCKING;
+  // As a robot that loses the remainder has it.
+  Unread unread_distance() const CARGOBAY_NONBLOCKING;
+  Unread unread_turn() const CARGOBAY_NONBLOCKING;
   // Evidence for `carried` over `lost`, natural logarithm of the odds.
   double log_odds_carried() const CARGOBAY_NONBLOCKING { return log_odds_; }
   // Natural logarithm of the probability that the likelier kind of robot gave to all readings that
@@ -110,11 +154,28 @@ class WheelEstimator {
     AxisFilter turn;
     Taken taken{};
   };
+  // The readings of an axis.
+  struct Counter {
+    int ticks = 0;             // since it was read
+    int zeros = 0;             // read in a row, while the wheels are told to stand
+    int blank_ticks = 0;       // as Unread has it
+    double straight_mm = 0.0;  // by which wheels of gain 1 went straight since it was read
+    bool unsure = false;       // a read may have gone unseen: the next one says nothing
+    bool surprised = false;    // the last reading was far from all that was foreseen
+    RemainderJudge judge{};
+  };
   void predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING;
+  // Evidence for `carried`.
+  struct Evidence {
+    double by_counts = 0.0;
+    double by_filters = 0.0;
+  };
+  Evidence read(Axis axis, int count) CARGOBAY_NONBLOCKING;
   WheelSpeeds mix(double (AxisFilter::*value)() const CARGOBAY_NONBLOCKING) const
       CARGOBAY_NONBLOCKING;
   bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
-  void read_unseen() CARGOBAY_NONBLOCKING;
+  bool surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING;
+  void read_unseen(Axis axis) CARGOBAY_NONBLOCKING;
   void weigh(double by_counts, double by_filters) CARGOBAY_NONBLOCKING;
   void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
   double prior_log_odds() const CARGOBAY_NONBLOCKING;
@@ -125,8 +186,8 @@ class WheelEstimator {
   Hypothesis carried_;
   Hypothesis lost_;
   PlantBank bank_;
-  RemainderJudge judge_{};
-  int zeros_ = 0;           // readings in a row
+  Counter distance_{};
+  Counter turn_{};
   int command_unsure_ = 0;  // ticks left
   // Evidence for `carried` over `lost`, logarithms of the odds; log_odds_ is the sum.
   double counts_say_ = 0.0;
@@ -137,9 +198,8 @@ class WheelEstimator {
   double lost_likelihood_ = 0.0;
   RemainderBelief belief_ = RemainderBelief::unknown;
   std::int64_t moved_ticks_ = 0;
-  int ticks_since_read_ = 0;
-  int gone_through_ = 0;         // frames to come whose ticks step_lost() has counted
-  bool reading_unsure_ = false;  // a read may have gone unseen: the next one says nothing
+  Seen seen_{};
+  int gone_through_ = 0;  // frames to come whose ticks step_lost() has counted
 };
 
 }  // namespace cargobay::rt

@@ -7,23 +7,63 @@ namespace cargobay::rt {
 namespace {
 
 constexpr double kMoving = 1.0;  // mm/s: a wheel asked for more counts as moving
+// Half a tick, since the set speed goes on meanwhile, and the way of a command to the robot.
+constexpr double kActsLaterTicks = 0.67;
+constexpr int kSuspectTicks = 24;
 
 }  // namespace
 
 WheelLoop::WheelLoop(const Parameters& parameters)
     : parameters_{parameters},
       estimator_{parameters.estimator},
+      watch_{{.wheel_base_mm = parameters.estimator.wheel_base_mm,
+              .tick_s = parameters.estimator.tick_s,
+              .input_delay_s = parameters.estimator.input_delay_s}},
       schedule_{parameters.schedule},
       slew_{parameters.limits},
+      course_{parameters.course},
       controller_{parameters.controller} {}
 
-void WheelLoop::lost(int ticks, bool may_have_read) CARGOBAY_NONBLOCKING {
+void WheelLoop::lost(int ticks, const Axes& may_have_read) CARGOBAY_NONBLOCKING {
   constexpr int kMostSteps = 100;  // longer than any silence the cycle survives
-  for (int i = 0; i < ticks && i < kMostSteps; ++i) estimator_.step_lost(command_, may_have_read);
+  for (int i = 0; i < ticks && i < kMostSteps; ++i) {
+    estimator_.step_lost(command_, may_have_read);
+    watch_.step(command_, estimator_.plant());
+  }
 }
 
-void WheelLoop::frame(const std::optional<WheelEstimator::Reading>& reading) CARGOBAY_NONBLOCKING {
+void WheelLoop::frame(const WheelEstimator::Reading& reading) CARGOBAY_NONBLOCKING {
   estimator_.step(command_, reading);
+  using How = WheelEstimator::Seen::How;
+  const WheelEstimator::Seen& seen = estimator_.seen();
+  if (seen.how == How::past) return;
+  watch_.step(command_, estimator_.plant());
+  suspicious_ticks_ = suspicious() ? kSuspectTicks : std::max(suspicious_ticks_ - 1, 0);
+  if (!reading.axes().any()) return;
+  // The watch wants both over the same time.
+  const bool both = reading.axes().both() && seen.distance_ticks == seen.turn_ticks;
+  if (seen.how == How::impossible) return watch_.read_impossible();
+  if (seen.how == How::unsure || !both) return watch_.read_unseen();
+  watch_.read({.distance_mm = *reading.distance_mm,
+               .angle_deg = *reading.angle_deg,
+               .ticks = seen.distance_ticks},
+              estimator_.belief());
+}
+
+// Whether what was learnt looks as if a counter or a wheel had failed. A robot that loses the
+// remainder is read for the watch only then.
+bool WheelLoop::suspicious() const CARGOBAY_NONBLOCKING {
+  constexpr double kWeak = 0.55;
+  constexpr double kUnlike = 0.4;
+  const PlantEstimate& plant = estimator_.plant();
+  const double mean = (plant.gain_left + plant.gain_right) / 2.0;
+  return estimator_.surprised() || mean < kWeak ||
+         std::abs(plant.gain_left - plant.gain_right) > kUnlike * mean;
+}
+
+bool WheelLoop::suspects() const CARGOBAY_NONBLOCKING {
+  return watch_.suspects() ||
+         (suspicious_ticks_ > 0 && estimator_.belief() != RemainderBelief::carried);
 }
 
 // Only as much as the plant is known: one that answers later than was thought would overshoot.
@@ -46,46 +86,96 @@ double WheelLoop::answer(const VelocityController::Wish& wish,
   return static_cast<double>(std::lrint(command_mm_s));
 }
 
+// The fastest that a wheel of this gain can be driven at for that target; within the robot's range,
+// with some room left to correct it.
+double WheelLoop::reach(double target_mm_s, double gain) const CARGOBAY_NONBLOCKING {
+  constexpr double kRoom = 0.985;
+  return gain * std::min(kRoom * parameters_.controller.max_command_mm_s,
+                         controller_.most_mm_s(target_mm_s));
+}
+
+// Of the set speeds, one factor for both wheels. As long as a gain is not known, it may be the
+// better one.
+double WheelLoop::reachable_part(const WheelSpeeds& set, const WheelSpeeds& target)
+    CARGOBAY_NONBLOCKING {
+  if (parameters_.feedback == Feedback::open) return 1.0;
+  const PlantEstimate& plant = estimator_.plant();
+  const auto part_of = [&](double set_mm_s, double target_mm_s, double gain) CARGOBAY_NONBLOCKING {
+    const double most = std::max(std::abs(set_mm_s), std::abs(target_mm_s));
+    const double reach_mm_s = reach(most, gain + plant.gain_sd);
+    return std::abs(set_mm_s) > reach_mm_s ? reach_mm_s / std::abs(set_mm_s) : 1.0;
+  };
+  const double part = std::min(part_of(set.left_mm_s, target.left_mm_s, plant.gain_left),
+                               part_of(set.right_mm_s, target.right_mm_s, plant.gain_right));
+  // What is learnt moves a little all the time; the wheels need not follow.
+  constexpr double kSame = 0.005;
+  if (part < 1.0 && std::abs(part - part_) < kSame) return part_;
+  return part;
+}
+
 WheelSpeeds WheelLoop::step(const WheelSpeeds& target, Steering steering) CARGOBAY_NONBLOCKING {
   const double tick_s = parameters_.estimator.tick_s;
   const WheelSpeeds set =
       steering == Steering::nobody ? slew_.brake(tick_s) : slew_.step(target, tick_s);
-  const WheelSpeeds& rate = slew_.rates();
+  part_ = reachable_part(set, target);
+  given_ = {part_ * set.left_mm_s, part_ * set.right_mm_s};
+  limited_ = {.speed = part_ < 1.0, .acceleration = set != target};
+  // A command acts a dead time and, in the mean, half a tick later.
+  const SlewLimiter later =
+      slew_.ahead(target, estimator_.plant().dead_time_s + kActsLaterTicks * tick_s, tick_s);
   const WheelSpeeds now = estimate();
+  const WheelSpeeds kept =
+      course_.step(target, given_, now, estimator_.ways(), estimator_.carried(), tick_s);
   const WheelSpeeds disturbance = estimator_.disturbances();
   const PlantEstimate& plant = estimator_.plant();
   VelocityController::Wheel left{.gain = plant.gain_left,
-                                 .gain_sd = plant.gain_sd,
+                                 .gain_sd = plant.weakened ? 0.0 : plant.gain_left_sd,
                                  .lag_s = std::max(0.0, plant.lag_s - plant.lag_sd_s),
                                  .proportional = proportional(),
                                  .disturbance_mm_s = disturbance.left_mm_s,
                                  .speed_mm_s = now.left_mm_s};
   VelocityController::Wheel right = left;
   right.gain = plant.gain_right;
+  right.gain_sd = plant.weakened ? 0.0 : plant.gain_right_sd;
   right.disturbance_mm_s = disturbance.right_mm_s;
   right.speed_mm_s = now.right_mm_s;
-  command_ = {answer({set.left_mm_s, rate.left_mm_s, target.left_mm_s}, left),
-              answer({set.right_mm_s, rate.right_mm_s, target.right_mm_s}, right)};
+  const bool open = parameters_.feedback == Feedback::open;
+  const auto wish = [&](double WheelSpeeds::* wheel) CARGOBAY_NONBLOCKING {
+    const double off_mm_s = open ? 0.0 : kept.*wheel - given_.*wheel;
+    return VelocityController::Wish{.set_mm_s = given_.*wheel + off_mm_s,
+                                    .ahead_mm_s = part_ * later.speeds().*wheel + off_mm_s,
+                                    .rate_mm_s2 = part_ * later.rates().*wheel,
+                                    .target_mm_s = target.*wheel};
+  };
+  command_ = {answer(wish(&WheelSpeeds::left_mm_s), left),
+              answer(wish(&WheelSpeeds::right_mm_s), right)};
   return command_;
 }
 
 void WheelLoop::stop() CARGOBAY_NONBLOCKING {
   command_ = {};
+  part_ = 1.0;
+  given_ = {};
+  limited_ = {};
   slew_.reset({});
   estimator_.doubt_command();
 }
 
-bool WheelLoop::next_reads() CARGOBAY_NONBLOCKING {
+Axes WheelLoop::next_reads() CARGOBAY_NONBLOCKING {
   using Motion = ReadSchedule::Motion;
   const bool moving =
       std::abs(command_.left_mm_s) > kMoving || std::abs(command_.right_mm_s) > kMoving;
   const bool changing = slew_.rates() != WheelSpeeds{};
   // A robot that still rolls must not be read tick by tick unless it carries the remainder.
   const bool rolls = !moving && !estimator_.rests();
-  return schedule_.next_reads(belief(), estimator_.sure(),
-                              !moving && !rolls   ? Motion::none
-                              : changing || rolls ? Motion::changing
-                                                  : Motion::steady);
+  return schedule_.next_reads({.belief = belief(),
+                               .sure = estimator_.sure(),
+                               .motion = !moving && !rolls   ? Motion::none
+                                         : suspects()        ? Motion::doubtful
+                                         : changing || rolls ? Motion::changing
+                                                             : Motion::steady,
+                               .distance = estimator_.unread_distance(),
+                               .turn = estimator_.unread_turn()});
 }
 
 }  // namespace cargobay::rt

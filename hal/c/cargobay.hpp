@@ -84,6 +84,7 @@ enum class ErrorCode : int {
   timeout = CARGOBAY_E_TIMEOUT,
   no_frame = CARGOBAY_E_NO_FRAME,
   cancelled = CARGOBAY_E_CANCELLED,
+  wheels = CARGOBAY_E_WHEELS,
 };
 
 // enum cargobay_sim_time. `virtual` is a keyword.
@@ -119,6 +120,8 @@ enum class Flag : std::uint32_t {
   no_config = CARGOBAY_FLAG_NO_CONFIG,
   no_learnt = CARGOBAY_FLAG_NO_LEARNT,
   forget = CARGOBAY_FLAG_FORGET,
+  hold_heading = CARGOBAY_FLAG_HOLD_HEADING,
+  drive_on = CARGOBAY_FLAG_DRIVE_ON,
 };
 
 // enum cargobay_rate_change.
@@ -169,6 +172,24 @@ enum class Overcurrent : std::uint32_t {
   low_side_driver_2 = CARGOBAY_OVERCURRENT_LOW_SIDE_DRIVER_2,
 };
 
+// enum cargobay_wheel.
+enum class Wheel : std::uint32_t { left = CARGOBAY_WHEEL_LEFT, right = CARGOBAY_WHEEL_RIGHT };
+
+// enum cargobay_limit.
+enum class Limit : std::uint32_t {
+  speed = CARGOBAY_LIMIT_SPEED,
+  acceleration = CARGOBAY_LIMIT_ACCELERATION,
+};
+
+// enum cargobay_finding.
+enum class Finding : std::int32_t {
+  nothing = CARGOBAY_FINDING_NOTHING,
+  still = CARGOBAY_FINDING_STILL,
+  reversed = CARGOBAY_FINDING_REVERSED,
+  few = CARGOBAY_FINDING_FEW,
+  jumps = CARGOBAY_FINDING_JUMPS,
+};
+
 // enum cargobay_output_kind.
 enum class OutputKind : std::int32_t {
   wheels = CARGOBAY_OUTPUT_WHEELS,
@@ -195,6 +216,10 @@ enum class EventKind : std::int32_t {
   bump_began = CARGOBAY_EVENT_BUMP_BEGAN,
   bump_ended = CARGOBAY_EVENT_BUMP_ENDED,
   port_shared = CARGOBAY_EVENT_PORT_SHARED,
+  wheel_stuck = CARGOBAY_EVENT_WHEEL_STUCK,
+  counters_implausible = CARGOBAY_EVENT_COUNTERS_IMPLAUSIBLE,
+  limit_began = CARGOBAY_EVENT_LIMIT_BEGAN,
+  limit_ended = CARGOBAY_EVENT_LIMIT_ENDED,
 };
 
 // enum cargobay_packet.
@@ -254,7 +279,8 @@ template <typename Bit>
 concept BitEnum =
     std::same_as<Bit, Flag> || std::same_as<Bit, Feature> || std::same_as<Bit, Hazard> ||
     std::same_as<Bit, Bump> || std::same_as<Bit, Button> || std::same_as<Bit, Overcurrent> ||
-    std::same_as<Bit, Led> || std::same_as<Bit, How>;
+    std::same_as<Bit, Wheel> || std::same_as<Bit, Limit> || std::same_as<Bit, Led> ||
+    std::same_as<Bit, How>;
 
 // Any number of bits of one enumeration: `Flag::no_config | Flag::no_guard`. Those that this header
 // does not know are kept.
@@ -301,6 +327,8 @@ using Hazards = Bits<Hazard>;
 using Bumps = Bits<Bump>;
 using Buttons = Bits<Button>;
 using Overcurrents = Bits<Overcurrent>;
+using WheelSet = Bits<Wheel>;
+using Limits = Bits<Limit>;
 using Leds = Bits<Led>;
 
 // --- errors ---------------------------------------------------------------------------------
@@ -536,6 +564,7 @@ struct State {
   Bumps bumps{};
   Buttons buttons{};
   std::int32_t battery_mv = 0;
+  Limits limits{};
 };
 
 // struct cargobay_end_report.
@@ -564,7 +593,12 @@ struct Event {
   std::int32_t charge_mah = 0;
   std::int32_t capacity_mah = 0;
   std::int32_t process = 0;
+  WheelSet wheels{};
   char process_name[16] = {};
+  Finding finding{};
+  Limits limits{};
+  Wheels wanted{};
+  Wheels got{};
 };
 
 // struct cargobay_reading.
@@ -730,7 +764,8 @@ inline State typed(const cargobay_state& plain) noexcept {
               .hazards = Hazards{plain.hazards},
               .bumps = Bumps{plain.bumps},
               .buttons = Buttons{plain.buttons},
-              .battery_mv = plain.battery_mv};
+              .battery_mv = plain.battery_mv,
+              .limits = Limits{plain.limits}};
   std::memcpy(state.covariance.data(), plain.covariance, sizeof plain.covariance);
   return state;
 }
@@ -767,7 +802,12 @@ inline Event typed(const cargobay_event& plain) noexcept {
               .voltage_mv = plain.voltage_mv,
               .charge_mah = plain.charge_mah,
               .capacity_mah = plain.capacity_mah,
-              .process = plain.process};
+              .process = plain.process,
+              .wheels = WheelSet{plain.wheels},
+              .finding = Finding{plain.finding},
+              .limits = Limits{plain.limits},
+              .wanted = typed(plain.wanted),
+              .got = typed(plain.got)};
   std::memcpy(event.process_name, plain.process_name, sizeof event.process_name);
   return event;
 }
@@ -787,6 +827,11 @@ inline cargobay_event plain_of(const Event& event) noexcept {
   plain.charge_mah = event.charge_mah;
   plain.capacity_mah = event.capacity_mah;
   plain.process = event.process;
+  plain.wheels = event.wheels.bits();
+  plain.finding = static_cast<std::int32_t>(event.finding);
+  plain.limits = event.limits.bits();
+  plain.wanted = plain_of(event.wanted);
+  plain.got = plain_of(event.got);
   std::memcpy(plain.process_name, event.process_name, sizeof plain.process_name);
   return plain;
 }

@@ -25,7 +25,8 @@ namespace {
 constexpr std::uint32_t kKnownFlags =
     CARGOBAY_FLAG_REQUIRE_REALTIME | CARGOBAY_FLAG_NO_REALTIME | CARGOBAY_FLAG_NO_GUARD |
     CARGOBAY_FLAG_HOLD_ON_MODE_LOSS | CARGOBAY_FLAG_OPEN_LOOP | CARGOBAY_FLAG_PIN_CPU |
-    CARGOBAY_FLAG_NO_CONFIG | CARGOBAY_FLAG_NO_LEARNT | CARGOBAY_FLAG_FORGET;
+    CARGOBAY_FLAG_NO_CONFIG | CARGOBAY_FLAG_NO_LEARNT | CARGOBAY_FLAG_FORGET |
+    CARGOBAY_FLAG_HOLD_HEADING | CARGOBAY_FLAG_DRIVE_ON;
 constexpr int kLeastDescriptor = 3;
 
 bool has(const cargobay_options& options, cargobay_flag flag) {
@@ -147,9 +148,11 @@ hal::RobotOptions robot_options(const cargobay_options& options, const hal::Conf
   hal::RobotOptions robot;
   hal::apply(config, robot.cycle);
   hal::ControlCycle::Parameters& cycle = robot.cycle;
+  if (has(options, CARGOBAY_FLAG_HOLD_HEADING)) cycle.loop.course.hold_heading = true;
   if (has(options, CARGOBAY_FLAG_OPEN_LOOP)) cycle.loop.feedback = rt::WheelLoop::Feedback::open;
   if (options.mode == CARGOBAY_MODE_FULL) cycle.drive_mode = oi::Mode::full;
   if (has(options, CARGOBAY_FLAG_HOLD_ON_MODE_LOSS)) cycle.on_mode_loss = hal::OnModeLoss::hold;
+  if (has(options, CARGOBAY_FLAG_DRIVE_ON)) cycle.on_implausible = hal::OnImplausible::report;
   set(cycle.setpoint_lapse, options.setpoint_lapse_ns);
   set(cycle.control_budget, options.control_budget_ns);
   set(cycle.link_timeout, options.link_timeout_ns);

@@ -192,6 +192,7 @@ cargobay_state c_state(const RobotObject& robot, const SeenState& known) CARGOBA
   seen.bumps = c_bumps(state.bumps);
   seen.buttons = known.buttons;
   seen.battery_mv = state.battery_mv;
+  seen.limits = state.limits.raw();
   return seen;
 }
 

@@ -35,6 +35,7 @@ int code_of(hal::CycleEnd end) noexcept {
     case hal::CycleEnd::control_overrun:
     case hal::CycleEnd::control_failed: return CARGOBAY_E_CONTROL;
     case hal::CycleEnd::guard_lost: return CARGOBAY_E_GUARD;
+    case hal::CycleEnd::implausible: return CARGOBAY_E_WHEELS;
   }
   return CARGOBAY_E_SYSTEM;
 }

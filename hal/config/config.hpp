@@ -27,6 +27,10 @@ struct Config {
   std::optional<double> jerk_mm_s3{};  // not set: no limit
   std::optional<rt::Remainder> remainder{};
   std::string learnt{};  // as learnt_place() has it
+  bool hold_heading = false;
+  std::optional<double> wheel_error{};  // part of its way that a wheel may be wrong by for good
+  std::optional<double> wheel_base_error{};
+  bool stop_if_implausible = true;  // if a wheel is stuck, or the counters cannot be true
   std::optional<int> priority{};
   std::optional<int> cpu{};
   bool require_realtime = false;

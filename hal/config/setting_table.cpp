@@ -8,6 +8,7 @@ namespace cargobay::hal {
 namespace {
 
 constexpr std::string_view kTrueOfReported = "1 if what the robot reports is true";
+constexpr std::string_view kPartNotPercent = "not per cent";
 
 constexpr std::array kSettings{
     Setting{.table = "",
@@ -130,6 +131,58 @@ constexpr std::array kSettings{
             .left_out = "one for each serial port, in the folder for state; none for a "
                         "pseudo-terminal",
             .example = "\"none\""},
+    Setting{.table = "robot",
+            .key = "hold_heading",
+            .member = &Config::hold_heading,
+            .meaning = "The heading follows what the wheels were asked for so far, also across "
+                       "stops and other curves; otherwise only the present curve is kept",
+            .left_out = "false",
+            .example = "false",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.loop.course.hold_heading = config.hold_heading;
+                }},
+    Setting{.table = "robot",
+            .key = "wheel_error",
+            .member = &Config::wheel_error,
+            .range = kErrorPart,
+            .not_unit = kPartNotPercent,
+            .mistakes = kNotPart,
+            .meaning = "Part of its way that a wheel may be wrong by all the time, by slip, tyres "
+                       "or missed counts: the covariance of the pose grows by it",
+            .left_out = "0.02",
+            .example = "0.02",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.odometry.wheel_error = *config.wheel_error;
+                }},
+    Setting{.table = "robot",
+            .key = "wheel_base_error",
+            .member = &Config::wheel_base_error,
+            .range = kErrorPart,
+            .not_unit = kPartNotPercent,
+            .mistakes = kNotPart,
+            .meaning = "Part by which the wheel base may be wrong: the covariance of the pose "
+                       "grows by it",
+            .left_out = "0.02",
+            .example = "0.02",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.odometry.base_error = *config.wheel_base_error;
+                }},
+    Setting{.table = "robot",
+            .key = "stop_if_implausible",
+            .member = &Config::stop_if_implausible,
+            .meaning =
+                "Stop the robot and end the drive if a wheel is stuck, or distance and angle "
+                "cannot be true; if false, only report it",
+            .left_out = "true",
+            .example = "true",
+            .apply =
+                [](const Config& config, CycleParameters& parameters) {
+                  parameters.on_implausible =
+                      config.stop_if_implausible ? OnImplausible::end : OnImplausible::report;
+                }},
     Setting{.table = "realtime",
             .key = "priority",
             .member = &Config::priority,

@@ -7,6 +7,7 @@ namespace cargobay::hal {
 
 // Of the robot.
 inline constexpr Range kScale{0.5, 2.0};
+inline constexpr Range kErrorPart{0.0, 0.2};
 inline constexpr Range kAccelerationMmS2{10.0, 100'000.0};
 inline constexpr Range kJerkMmS3{20.0, 10'000'000.0};
 // Of the loop.

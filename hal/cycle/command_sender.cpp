@@ -58,13 +58,15 @@ CommandSender::CommandSender(ByteStream& stream, const oi::Dialect& dialect, rt:
       dialect_{dialect},
       line_{line_at(stream.baud(), dialect.frame_bytes, tick, request_lasts)} {}
 
-FrameList CommandSender::next_list(FrameRotation::Counters counters,
+FrameList CommandSender::next_list(FrameRotation::Counters counters, const rt::Axes& axes,
                                    std::optional<FrameList> search) CARGOBAY_NONBLOCKING {
-  FrameList next = search ? *search : rotation_.next(counters);
+  FrameList next = search ? *search : rotation_.next(counters, axes);
   if (hearing_.deaf() && !search) next = hearing_.probe();
   former_list_ = list_;
-  const bool may_read = next == FrameList::reading || former_list_ == FrameList::reading;
-  ticks_since_reads_ = may_read ? 0 : ticks_since_reads_ + 1;
+  const rt::Axes now = axes_of(next);
+  const rt::Axes before = axes_of(former_list_);
+  ticks_since_distance_ = now.distance || before.distance ? 0 : ticks_since_distance_ + 1;
+  ticks_since_turn_ = now.turn || before.turn ? 0 : ticks_since_turn_ + 1;
   return next;
 }
 

@@ -58,19 +58,23 @@ class CommandSender {
   // Nothing more is written. A write in progress still goes out.
   void abandon() CARGOBAY_NONBLOCKING { abandoned_.store(true); }
 
-  // The list for the next tick's frame; `search`: the list in which to look for the cause of a lost
-  // mode. Call once a tick.
-  FrameList next_list(FrameRotation::Counters counters, std::optional<FrameList> search)
-      CARGOBAY_NONBLOCKING;
+  // The list for the next tick's frame. `axes`: the counters that are meant; `search`: the list in
+  // which to look for the cause of a lost mode. Call once a tick.
+  FrameList next_list(FrameRotation::Counters counters, const rt::Axes& axes,
+                      std::optional<FrameList> search) CARGOBAY_NONBLOCKING;
   FrameRotation& rotation() CARGOBAY_NONBLOCKING { return rotation_; }
-  // Whether one of the ticks since the last frame may have carried a reading. A frame that never
+  // What one of the ticks since the last frame may have carried a reading of. A frame that never
   // came is missed late, so it may have been of an older list.
-  bool may_have_read(bool never_came) const CARGOBAY_NONBLOCKING {
-    return ticks_since_reads_ <= (never_came ? rt::TickClock::kPatience + 1 : 1);
+  rt::Axes may_have_read(bool never_came) const CARGOBAY_NONBLOCKING {
+    const int within = never_came ? rt::TickClock::kPatience + 1 : 1;
+    return {.distance = ticks_since_distance_ <= within, .turn = ticks_since_turn_ <= within};
   }
-  // Whether the present frame ends a window: the frames before it did not read the counters.
-  bool ends_window() const CARGOBAY_NONBLOCKING {
-    return list_ != FrameList::reading || former_list_ != FrameList::reading;
+  // The counters of which the present frame would end a window: the frames before did not read
+  // them.
+  rt::Axes ends_window() const CARGOBAY_NONBLOCKING {
+    const rt::Axes now = axes_of(list_);
+    const rt::Axes before = axes_of(former_list_);
+    return {.distance = !now.distance || !before.distance, .turn = !now.turn || !before.turn};
   }
 
   // Signs of whether the robot hears: a good frame, a missing one, a line that was dead.
@@ -140,7 +144,8 @@ class CommandSender {
   FrameRotation rotation_{};
   FrameList list_ = FrameList::reading;
   FrameList former_list_ = FrameList::reading;  // a frame of it may still be on its way
-  int ticks_since_reads_ = 0;                   // since one of the two read the counters
+  int ticks_since_distance_ = 0;                // since one of the two read that counter
+  int ticks_since_turn_ = 0;
   HearingWatch hearing_{FrameList::reading};
   bool hearing_in_doubt_ = false;  // the line has been dead since the last fill
   bool list_in_doubt_ = false;     // filled, and no list sent since

@@ -19,6 +19,13 @@ enum class OnModeLoss : std::uint8_t {
   hold,  // it goes on, driving nothing, until request_rearm() or request_stop()
 };
 
+// What the cycle does once a wheel is stuck, or the counters cannot be true, and that has been
+// reported.
+enum class OnImplausible : std::uint8_t {
+  end,     // it stops the wheels and ends
+  report,  // it goes on
+};
+
 struct CycleParameters {
   const oi::Dialect* dialect = &oi::kCreate;  // of the robot; must outlive the cycle
   // Its estimator's tick_s is the robot's tick: 15 ms, except where the cycle itself is measured.
@@ -35,6 +42,7 @@ struct CycleParameters {
   // that the robot may be silent before the wheels are stopped: steering is no worse.
   int control_overruns_allowed = 10;
   OnModeLoss on_mode_loss = OnModeLoss::end;
+  OnImplausible on_implausible = OnImplausible::end;
   rt::Odometry::Parameters odometry{};
   PowerWatch::Limits power{};
 };

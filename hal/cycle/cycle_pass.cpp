@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <utility>
 
 #include "oi/stream_budget.hpp"
 
@@ -114,42 +113,6 @@ CyclePass::Step CyclePass::look_after_guard(rt::TimePoint now) CARGOBAY_NONBLOCK
   return Step::on;
 }
 
-// Looks for what is worth reporting.
-void CyclePass::see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING {
-  sender_.see(receiver_.list());
-  // The ledger has not counted it yet.
-  const auto ahead = static_cast<std::int64_t>(receiver_.readings().size());
-  const std::int64_t tick = ledger_.clock().started() ? ledger_.clock().ticks() + ahead : 0;
-  outlets_.board.see(frame, tick);
-  see_bumps(frame, tick);
-  for (const Event& event : power_.see(frame)) report(event, tick);
-  const std::optional<EventKind> change = mode_watch_.see(frame);
-  if (!change) return;
-  if (*change == EventKind::mode_lost) {
-    mode_loss_causes_ = mode_watch_.causes();
-    // A request from before there was anything to rearm. One made in response to the event comes
-    // later.
-    rearm_requested_.store(false, std::memory_order_relaxed);
-  }
-  report({.what = *change, .mode = mode_watch_.mode(), .hazards = mode_watch_.causes()}, tick);
-}
-
-void CyclePass::report(const Event& event, std::int64_t tick) CARGOBAY_NONBLOCKING {
-  Event told = event;
-  told.tick = tick;
-  told.time = wait_.woken;
-  outlets_.report(told);
-  if (observer_.event != nullptr) observer_.event(observer_.context, told);
-}
-
-void CyclePass::see_bumps(const oi::SensorValues& frame, std::int64_t tick) CARGOBAY_NONBLOCKING {
-  if (!frame.has(oi::PacketId::bumps_and_wheel_drops)) return;
-  const Bumps before = std::exchange(bumps_, bumps_in(frame));
-  const Bumps began{static_cast<std::uint8_t>(bumps_.raw() & ~before.raw())};
-  if (began.any()) report({.what = EventKind::bump_began, .bumps = began}, tick);
-  if (before.any() && !bumps_.any()) report({.what = EventKind::bump_ended}, tick);
-}
-
 CyclePass::Step CyclePass::answer(rt::TimePoint arrival) CARGOBAY_NONBLOCKING {
   take_requests();
   std::optional<rt::Duration> period;
@@ -221,8 +184,14 @@ void CyclePass::step_through(const TickLedger::Account& account) CARGOBAY_NONBLO
   // A frame that is missing when a window ends may have taken most of the window's counts with it.
   // A frame that was missing earlier, but came, has not.
   const rt::TickClock& clock = ledger_.clock();
-  const bool may_lack = clock.in_doubt() || (sender_.ends_window() && clock.missing() > 0);
-  if (may_lack && receiver_.any_reads()) loop_.doubt_next_reading();
+  const rt::Axes read = receiver_.reads();
+  if (clock.in_doubt()) {
+    loop_.doubt_next_reading(read);
+  } else if (clock.missing() > 0) {
+    const rt::Axes ends = sender_.ends_window();
+    loop_.doubt_next_reading(
+        {.distance = read.distance && ends.distance, .turn = read.turn && ends.turn});
+  }
   loop_.came_after_all(account.stepped_early);
   if (ledger_.late()) ++counters_.overruns.wait;
   if (!clock.in_phase()) loop_.sent_late();  // this concerns what was sent before
@@ -237,14 +206,16 @@ CycleState CyclePass::state_at(rt::TimePoint arrival) const CARGOBAY_NONBLOCKING
           .hazards = hazards_in(receiver_.values()),
           .reading = receiver_.readings()[receiver_.readings().size() - 1],
           .battery_mv = power_.battery().voltage_mv,
-          .bumps = bumps_,
+          .bumps = seen_.bumps,
           .pose = odometry_.now().pose(),
           .distance_mm = odometry_.now().distance_mm(),
           .pose_covariance = odometry_.now().covariance()};
 }
 
 CyclePass::Step CyclePass::answer_in_mode(CycleState& state) CARGOBAY_NONBLOCKING {
-  if (mode_watch_.state() == ModeWatch::State::driving) return control(state);
+  if (mode_watch_.state() == ModeWatch::State::driving) {
+    return see_wheels() == Step::ended ? Step::ended : control(state);
+  }
   const bool known = mode_watch_.state() == ModeWatch::State::lost;
   if (known && parameters_.on_mode_loss == OnModeLoss::end) return end(CycleEnd::mode_lost);
   state.setpoint_lapsed = !steered_;
@@ -270,6 +241,7 @@ CyclePass::Step CyclePass::control(CycleState& state) CARGOBAY_NONBLOCKING {
   state.target = wanted.speeds();
   state.command = state.setpoint_lapsed ? loop_.brake() : loop_.control(state.target);
   state.set = loop_.set();
+  see_limits(state);
   const FrameList list = next_list();
   const rt::WheelSpeeds former = sender_.acting();
   const Sent sent = sender_.must_withhold(decided, ledger_)
@@ -311,12 +283,13 @@ FrameList CyclePass::next_list() CARGOBAY_NONBLOCKING {
   // A robot that loses the remainder is read rarely anyway; one that stands loses nothing.
   const bool settled =
       loop_.belief() == rt::RemainderBelief::carried || loop_.command() == rt::WheelSpeeds{};
-  const Counters counters = !loop_.next_reads() ? Counters::not_wanted
-                            : settled           ? Counters::welcome
-                                                : Counters::wanted;
+  const rt::Axes axes = loop_.next_reads();
+  const Counters counters = !axes.any() ? Counters::not_wanted
+                            : settled   ? Counters::welcome
+                                        : Counters::wanted;
   std::optional<FrameList> search;
   if (mode_watch_.state() == ModeWatch::State::searching) search = mode_watch_.wanted();
-  return sender_.next_list(counters, search);
+  return sender_.next_list(counters, axes, search);
 }
 
 CommandSender::Moment CyclePass::moment(rt::TimePoint now) const CARGOBAY_NONBLOCKING {
@@ -330,11 +303,6 @@ CommandSender::Moment CyclePass::moment(rt::TimePoint now) const CARGOBAY_NONBLO
 ControlAnswer CyclePass::by_setpoint(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   if (setpoint_lapsed(now)) return ControlAnswer::Kind::stand;
   return setpoint_.speeds();
-}
-
-void CyclePass::see_refusal() CARGOBAY_NONBLOCKING {
-  ++counters_.refused;
-  if (control_.refusal() == UserControl::Refusal::first) report(EventKind::control_refused);
 }
 
 bool CyclePass::setpoint_lapsed(rt::TimePoint now) CARGOBAY_NONBLOCKING {
@@ -361,7 +329,7 @@ CyclePass::Step CyclePass::deadline_passed() CARGOBAY_NONBLOCKING {
 void CyclePass::stop_in_silence(rt::TimePoint now) CARGOBAY_NONBLOCKING {
   silence_.owe_stop(mode_watch_.state() == ModeWatch::State::driving);
   const int foreseen = ledger_.foresee(now);
-  if (foreseen > 0) loop_.lost(foreseen, true);
+  if (foreseen > 0) loop_.lost(foreseen, rt::kBothAxes);
   loop_.stop();
   sender_.doubt_hearing();
   report(EventKind::silence_began);

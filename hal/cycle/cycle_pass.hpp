@@ -20,6 +20,7 @@
 #include "hal/cycle/user_control.hpp"
 #include "hal/guard/guard_mark.hpp"
 #include "hal/sensing/events.hpp"
+#include "hal/sensing/limit_watch.hpp"
 #include "hal/sensing/mode_watch.hpp"
 #include "hal/sensing/power_watch.hpp"
 #include "hal/sensing/sensor_board.hpp"
@@ -48,6 +49,8 @@ class CyclePass {
   rt::TimePoint wake_time() const CARGOBAY_NONBLOCKING;
   Step look_after_guard(rt::TimePoint now) CARGOBAY_NONBLOCKING;
   void see_frame(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
+  Step see_wheels() CARGOBAY_NONBLOCKING;
+  void see_limits(CycleState& state) CARGOBAY_NONBLOCKING;
   void see_bumps(const oi::SensorValues& frame, std::int64_t tick) CARGOBAY_NONBLOCKING;
   Step answer(rt::TimePoint arrival) CARGOBAY_NONBLOCKING;
   void take_requests() CARGOBAY_NONBLOCKING;
@@ -95,7 +98,13 @@ class CyclePass {
   Silence silence_;
   ModeWatch mode_watch_;
   PowerWatch power_;
-  Bumps bumps_{};
+  // What has been seen and reported.
+  struct Seen {
+    Bumps bumps{};
+    LimitWatch limits{};
+    bool wheels = false;
+  };
+  Seen seen_{};
   bool steered_ = false;  // by the control function, not by setpoints
   Hazards mode_loss_causes_{};
   struct Wait {

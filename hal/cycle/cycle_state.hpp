@@ -28,6 +28,7 @@ enum class CycleEnd : std::uint8_t {
   control_overrun,  // the control function was over its budget too many times in a row
   guard_lost,       // the guard is dead or suspended: nothing would stop the robot in our place
   control_failed,   // the control function said so
+  implausible,      // a wheel is stuck, or the counters cannot be true: its event says which
 };
 
 // One tick of the loop, as others see it.
@@ -36,14 +37,15 @@ struct CycleState {
   rt::TimePoint arrival{};   // of the frame, on the stream's clock
   rt::WheelSpeeds target{};  // as asked for; 0 if nothing valid was
   rt::WheelSpeeds set{};     // after the acceleration limit
+  Limits limits{};           // that hold the wheels back from the target
   rt::WheelSpeeds estimate{};
   rt::WheelSpeeds command{};  // as sent
   rt::RemainderBelief remainder = rt::RemainderBelief::unknown;
   oi::Mode mode = oi::Mode::off;
   bool setpoint_lapsed = false;  // nothing steers: it was not renewed, or dropped, or impossible
   Hazards hazards{};             // in this frame, whether or not they stop the robot
-  // What the robot reported of its counters, if this frame reads them.
-  std::optional<rt::WheelEstimator::Reading> reading{};
+  // What the robot reported of its counters, as far as this frame reads them.
+  rt::WheelEstimator::Reading reading{};
   std::int32_t battery_mv = 0;  // 0 until the first frame that has it
   Bumps bumps{};                // as in the last frame that has them
   rt::OdometryPose pose{};      // by odometry

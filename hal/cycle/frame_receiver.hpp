@@ -22,16 +22,13 @@ namespace cargobay::hal {
 class FrameReceiver {
  public:
   static constexpr std::size_t kBytes = 1024;
-  using Reading = std::optional<rt::WheelEstimator::Reading>;
+  using Reading = rt::WheelEstimator::Reading;
   // One entry per frame, of at least 5 bytes: what it says about the counters.
   using Readings = oi::FixedList<Reading, kBytes / 4>;
 
   // The dialect must outlive it.
   FrameReceiver(const oi::Dialect& dialect, rt::Duration tick)
-      : dialect_{dialect},
-        counters_{oi::packet_bits(dialect.packet(dialect.distance)) |
-                  oi::packet_bits(dialect.packet(dialect.angle))},
-        quiet_{kQuietTicks * tick} {}
+      : dialect_{dialect}, quiet_{kQuietTicks * tick} {}
 
   // Starts waiting.
   void begin(rt::TimePoint now) CARGOBAY_NONBLOCKING { last_bytes_ = now; }
@@ -54,10 +51,14 @@ class FrameReceiver {
   // Of the frames of this pass.
   const Readings& readings() const CARGOBAY_NONBLOCKING { return readings_; }
   bool empty() const CARGOBAY_NONBLOCKING { return readings_.empty(); }
-  bool any_reads() const CARGOBAY_NONBLOCKING {
-    bool reads = false;
-    for (const Reading& reading : readings_) reads = reads || reading.has_value();
-    return reads;
+  // Which counters they read.
+  rt::Axes reads() const CARGOBAY_NONBLOCKING {
+    rt::Axes all;
+    for (const Reading& reading : readings_) {
+      all.distance = all.distance || reading.distance_mm.has_value();
+      all.turn = all.turn || reading.angle_deg.has_value();
+    }
+    return all;
   }
   // What the last frame says.
   const oi::SensorValues& values() const CARGOBAY_NONBLOCKING { return values_; }
@@ -105,13 +106,13 @@ class FrameReceiver {
     see(values_);
   }
   Reading reading() const CARGOBAY_NONBLOCKING {
-    if ((values_.present() & counters_) != counters_) return std::nullopt;
-    return rt::WheelEstimator::Reading{.distance_mm = values_.raw(dialect_.distance),
-                                       .angle_deg = values_.raw(dialect_.angle)};
+    Reading reading;
+    if (values_.has(dialect_.distance)) reading.distance_mm = values_.raw(dialect_.distance);
+    if (values_.has(dialect_.angle)) reading.angle_deg = values_.raw(dialect_.angle);
+    return reading;
   }
 
   const oi::Dialect& dialect_;
-  std::uint64_t counters_;  // bits of the packets for distance and angle
   oi::StreamDecoder decoder_{oi::Checksum::automatic, dialect_};
   oi::SensorValues values_{};
   std::uint64_t corrupt_ = 0;

@@ -96,7 +96,8 @@ class Source {
     if (opcode == oi::Stream::kOpcode) list_ = list_asked_for(parser_.bytes().subspan(2));
   }
   static FrameList list_asked_for(std::span<const std::uint8_t> ids) {
-    for (const FrameList list : {FrameList::hazards, FrameList::battery}) {
+    for (std::size_t i = 0; i < oi::kFrameLists; ++i) {
+      const auto list = static_cast<FrameList>(i);
       const oi::StreamList& wanted = oi::kCreate.list(list);
       const bool same = std::equal(ids.begin(), ids.end(), wanted.begin(), wanted.end(),
                                    [](std::uint8_t id, oi::PacketId packet) {
@@ -132,9 +133,7 @@ class Source {
   HeldFrame held_;
   Stamps& stamps_;
   Recorder& recorder_;
-  std::array<FrameBytes, 3> frames_{sample_frame(FrameList::reading),
-                                    sample_frame(FrameList::hazards),
-                                    sample_frame(FrameList::battery)};
+  std::array<FrameBytes, oi::kFrameLists> frames_ = sample_frames();
   FrameList list_ = FrameList::reading;
   oi::CommandParser parser_{};
   Instants now_{};

@@ -46,6 +46,7 @@ class LoopChannel final : public Channel {
     ControlCycle::Parameters parameters;
     parameters.loop.estimator.tick_s = rt::seconds(settings_.period);
     parameters.late_margin = settings_.period / 3;
+    parameters.on_implausible = OnImplausible::report;  // the frames are not a robot's
     stream_->discard_input();
     Stamps stamps;
     RecordingStream recorded{*stream_, recorder_};

@@ -27,4 +27,12 @@ inline FrameBytes sample_frame(FrameList list) {
   return bytes;
 }
 
+// One of each list.
+inline std::array<FrameBytes, oi::kFrameLists> sample_frames() {
+  std::array<FrameBytes, oi::kFrameLists> frames{};
+  for (std::size_t i = 0; i < oi::kFrameLists; ++i)
+    frames[i] = sample_frame(static_cast<FrameList>(i));
+  return frames;
+}
+
 }  // namespace cargobay::hal::jitter

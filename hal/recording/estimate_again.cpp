@@ -14,7 +14,7 @@
 namespace cargobay::hal {
 namespace {
 
-using Reading = std::optional<rt::WheelEstimator::Reading>;
+using Reading = rt::WheelEstimator::Reading;
 
 // One reading per frame, from the bytes as they come.
 class Readings {
@@ -30,10 +30,11 @@ class Readings {
   Reading reading() {
     sensors_.clear();
     (void)oi::decode_frame(decoder_.frame(), sensors_);  // whole: the decoder checked its structure
-    if (!sensors_.has(oi::PacketId::distance) || !sensors_.has(oi::PacketId::angle))
-      return std::nullopt;
-    return rt::WheelEstimator::Reading{.distance_mm = sensors_.raw(oi::PacketId::distance),
-                                       .angle_deg = sensors_.raw(oi::PacketId::angle)};
+    Reading reading;
+    if (sensors_.has(oi::PacketId::distance))
+      reading.distance_mm = sensors_.raw(oi::PacketId::distance);
+    if (sensors_.has(oi::PacketId::angle)) reading.angle_deg = sensors_.raw(oi::PacketId::angle);
+    return reading;
   }
 
   oi::StreamDecoder decoder_{};
@@ -65,17 +66,21 @@ class Estimation {
  private:
   void take(const CycleState& state) {
     const std::vector<Reading> readings = readings_.take();
-    const auto read = [](const Reading& reading) { return reading.has_value(); };
-    if (std::ranges::any_of(readings, read)) since_read_ = 0;
+    for (const Reading& reading : readings) {
+      if (reading.distance_mm) since_distance_ = 0;
+      if (reading.angle_deg) since_turn_ = 0;
+    }
     const std::int64_t lost = state.tick - tick_ - static_cast<std::int64_t>(readings.size());
     constexpr std::int64_t kMostSteps = 100;  // as rt::WheelLoop; a damaged file may say anything
     for (std::int64_t i = 0; started_ && i < std::min(lost, kMostSteps); ++i)
-      estimator_.step_lost(command_, since_read_ <= rt::TickClock::kPatience + 1);
+      estimator_.step_lost(command_, {.distance = since_distance_ <= kMayHaveRead,
+                                      .turn = since_turn_ <= kMayHaveRead});
     if (started_ && lost < 0)
       estimator_.came_after_all(static_cast<int>(std::min(-lost, kMostSteps)));
     for (const Reading& reading : readings) estimator_.step(command_, reading);
     started_ = true;
-    ++since_read_;
+    ++since_distance_;
+    ++since_turn_;
     tick_ = state.tick;
     command_ = state.command;
     written_ = false;
@@ -94,11 +99,14 @@ class Estimation {
         difference_.most.right_mm_s);
   }
 
+  static constexpr int kMayHaveRead = rt::TickClock::kPatience + 1;
+
   rt::WheelEstimator estimator_;
   Readings readings_;
   rt::WheelSpeeds command_{};  // the one in effect
   std::int64_t tick_ = 0;
-  int since_read_ = 0;  // ticks
+  int since_distance_ = 0;  // ticks since it was read
+  int since_turn_ = 0;
   bool started_ = false;
   bool written_ = false;
   rt::WheelSpeeds squares_{};

@@ -87,7 +87,7 @@ inline constexpr auto kStateFields = [](auto& io, auto& state, auto& ns_since_ar
     io.raw(speeds->left_mm_s, speeds->right_mm_s);
 };
 inline constexpr auto kEndedFields = [](auto& io, auto& end) {
-  io.up_to(end, CycleEnd::control_failed);
+  io.up_to(end, CycleEnd::implausible);
 };
 inline constexpr auto kAskedFields = [](auto& io, auto& request) {
   io.up_to(request.kind, Request::Kind::pose);

@@ -32,10 +32,10 @@ class HeaderFields {
   void operator()(CycleParameters& it) {
     all(it, it.dialect, it.loop, it.drive_mode, it.late_margin, it.stop_after, it.link_timeout,
         it.setpoint_lapse, it.control_budget, it.control_overruns_allowed, it.on_mode_loss,
-        it.odometry, it.power);
+        it.on_implausible, it.odometry, it.power);
   }
   void operator()(rt::WheelLoop::Parameters& it) {
-    all(it, it.estimator, it.controller, it.schedule, it.limits, it.feedback);
+    all(it, it.estimator, it.controller, it.schedule, it.limits, it.course, it.feedback);
   }
   void operator()(rt::WheelEstimator::Parameters& it) {
     all(it, it.wheel_base_mm, it.tick_s, it.likely_lag_s, it.input_delay_s, it.speed_noise_mm_s,
@@ -45,10 +45,15 @@ class HeaderFields {
     all(it, it.max_command_mm_s, it.overshoot_share, it.overshoot_mm_s);
   }
   void operator()(rt::ReadSchedule::Parameters& it) {
-    all(it, it.window_ticks, it.least_window_ticks, it.probe_window_ticks, it.probe_reads,
-        it.probe_steady_ticks, it.probe_moving_ticks, it.probe_most_ticks, it.recheck_unsure_ticks,
-        it.recheck_carried_ticks, it.recheck_lost_ticks);
+    all(it, it.window_ticks, it.least_window_ticks, it.begin_window_ticks, it.probe_window_ticks,
+        it.probe_reads, it.probe_steady_ticks, it.probe_moving_ticks, it.probe_most_ticks,
+        it.recheck_unsure_ticks, it.recheck_carried_ticks, it.recheck_lost_ticks, it.turn_sd,
+        it.idle_turn_sd, it.most_turn_sd, it.least_turn_ticks, it.rest_ticks);
   }
+  void operator()(rt::Course::Parameters& it) {
+    all(it, it.hold_heading, it.rate_1_s, it.holding_rate_1_s);
+  }
+  void operator()(bool& value) { io_.up_to(value, true); }
   void operator()(rt::SlewLimiter::Limits& it) { all(it, it.acceleration_mm_s2, it.jerk_mm_s3); }
   void operator()(PowerWatch::Limits& it) {
     all(it, it.low_mv, it.recovered_mv, it.low_part, it.recovered_part);
@@ -74,6 +79,7 @@ class HeaderFields {
     io_.up_to(value, rt::WheelLoop::Feedback::open);
   }
   void operator()(OnModeLoss& value) { io_.up_to(value, OnModeLoss::hold); }
+  void operator()(OnImplausible& value) { io_.up_to(value, OnImplausible::report); }
   void operator()(oi::Mode& value) { io_.up_to(value, oi::Mode::full); }
   void operator()(std::optional<rt::Remainder>& value) {
     int index = value ? static_cast<int>(*value) + 1 : 0;
@@ -82,7 +88,7 @@ class HeaderFields {
   }
   void operator()(rt::PlantEstimate& it) {
     all(it, it.lag_s, it.dead_time_s, it.ramp_s2_mm, it.gain_left, it.gain_right, it.lag_sd_s,
-        it.gain_sd);
+        it.gain_sd, it.gain_difference_sd, it.gain_left_sd, it.gain_right_sd, it.weakened);
   }
   void operator()(rt::LearntPlant& it) {
     all(it, it.lag_s, it.lag_sd_s, it.dead_time_s, it.dead_time_sd_s, it.ramp_s2_mm,

@@ -23,6 +23,7 @@ std::string whole(double value) { return std::to_string(std::lround(value)); }
 void Calibration::prepare(CycleParameters& parameters) {
   constexpr double kAtOnce = 1e6;  // mm/s^2: the step is the robot's to answer
   parameters.loop.feedback = rt::WheelLoop::Feedback::open;
+  parameters.on_implausible = OnImplausible::report;  // it says by itself what does not turn
   parameters.loop.limits = {.acceleration_mm_s2 = kAtOnce};
   parameters.loop.estimator.remainder.reset();  // so that there are series of readings and windows
   // Nothing depends on reading soon, and each reading of a robot that loses the remainder costs up
@@ -60,7 +61,7 @@ Calibration::Estimate Calibration::estimate(const rt::WheelEstimator::Parameters
   Way way;
   std::int64_t last = ticks_.front().number - 1;
   for (const Tick& tick : ticks_) {
-    for (; last + 1 < tick.number; ++last) estimator.step_lost(command, true);
+    for (; last + 1 < tick.number; ++last) estimator.step_lost(command, rt::kBothAxes);
     estimator.step(command, tick.reading);
     const rt::Travels travels = estimator.take_travels();
     const bool lost = parameters.remainder == rt::Remainder::lost;

@@ -68,7 +68,7 @@ class Calibration {
   struct Tick {
     std::int64_t number = 0;
     rt::WheelSpeeds command{};  // that answered it
-    std::optional<rt::WheelEstimator::Reading> reading{};
+    rt::WheelEstimator::Reading reading{};
   };
   // Travel up to each tick.
   struct Way {

@@ -372,6 +372,10 @@ std::string explain_end(const Robot::Farewell& farewell) {
       return "the control function failed, and the robot was stopped; see in the program why it "
              "did, "
              "then start again";
+    case CycleEnd::implausible:
+      return "a wheel is stuck, or the counters for distance and angle cannot be true (the event "
+             "says which), and the robot was stopped; look at its wheels, then start again, or let "
+             "it drive all the same with stop_if_implausible = false";
     case CycleEnd::guard_lost:
       return std::string{kGuardLost} + ", and the robot was stopped; " + kGuardRemedy;
   }

@@ -82,6 +82,69 @@ std::string describe_user(const Event& event) {
   return describe(user) + " also has the port open and may take bytes from it: " + remedy(user);
 }
 
+using Finding = rt::WheelWatch::Finding;
+
+struct FindingWords {
+  std::string_view name;
+  std::string_view one;   // wheel: "the left wheel ..."
+  std::string_view both;  // "both wheels ..."
+};
+// In the order of Finding.
+constexpr std::array kFindingWords{
+    FindingWords{"nothing", "", ""},
+    FindingWords{"still", "is driven but counts nothing: its counter is dead, or it is stuck",
+                 "are driven but count nothing: their counters are dead, or they are stuck"},
+    FindingWords{"reversed", "counts against the direction in which it is driven",
+                 "count against the direction in which they are driven"},
+    FindingWords{"few", "counts much less than the other for the same command",
+                 "count much less than they must"},
+    FindingWords{"jumps", "", "say again and again that they went further than any robot can"},
+};
+constexpr const FindingWords& words(Finding finding) {
+  return kFindingWords[static_cast<std::size_t>(finding)];
+}
+static_assert(words(Finding::jumps).name == "jumps" && words(Finding::few).name == "few");
+
+bool both(oi::BitSet<Wheel> wheels) { return wheels.has(Wheel::left) && wheels.has(Wheel::right); }
+
+std::string describe(oi::BitSet<Wheel> wheels) {
+  if (both(wheels)) return "both wheels";
+  return wheels.has(Wheel::left) ? "the left wheel" : "the right wheel";
+}
+
+std::string describe(const rt::WheelSpeeds& speeds) {
+  std::array<char, 40> text{};
+  (void)std::snprintf(text.data(), text.size(), "%.0f and %.0f", speeds.left_mm_s,  // fits
+                      speeds.right_mm_s);
+  return text.data();
+}
+
+std::string driven_and_counted(const Event& event) {
+  if (event.finding == Finding::jumps) return "";
+  return " (left and right: driven at " + describe(event.wanted) + " mm/s, counted " +
+         describe(event.got) + ")";
+}
+
+std::string describe_stuck(const Event& event) {
+  return describe(event.wheels) + (both(event.wheels) ? " draw" : " draws") +
+         " too much current and " + (both(event.wheels) ? "do" : "does") + " not turn" +
+         driven_and_counted(event);
+}
+
+std::string describe_implausible(const Event& event) {
+  const FindingWords& found = words(event.finding);
+  return describe(event.wheels) + " " + std::string{both(event.wheels) ? found.both : found.one} +
+         driven_and_counted(event);
+}
+
+std::string describe_limits(const Event& event) {
+  const std::string_view what = event.limits.has(Limit::speed)
+                                    ? "the wheels cannot turn as fast as asked for"
+                                    : "the limit of acceleration holds the wheels back";
+  return std::string{what} + ": " + describe(event.got) + " mm/s instead of " +
+         describe(event.wanted);
+}
+
 struct EventRow {
   EventKind kind;
   std::string_view name;
@@ -134,6 +197,12 @@ constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventKind::bump_ended, "bump_ended", Payload::nothing,
      [](const Event&) -> std::string { return "nothing touches the bumper now"; }},
     {EventKind::port_shared, "port_shared", Payload::process, &describe_user},
+    {EventKind::wheel_stuck, "wheel_stuck", Payload::wheels, &describe_stuck},
+    {EventKind::counters_implausible, "counters_implausible", Payload::wheels,
+     &describe_implausible},
+    {EventKind::limit_began, "limit_began", Payload::limits, &describe_limits},
+    {EventKind::limit_ended, "limit_ended", Payload::limits,
+     [](const Event&) -> std::string { return "the wheels do what is asked for"; }},
 }};
 static_assert([] {
   for (std::size_t i = 0; i < kEventKinds; ++i) {
@@ -172,6 +241,10 @@ std::string_view name(Hazard hazard) {
   }
   return "";
 }
+
+std::string_view name(Limit limit) { return limit == Limit::speed ? "speed" : "acceleration"; }
+std::string_view name(Wheel wheel) { return wheel == Wheel::left ? "left" : "right"; }
+std::string_view name(rt::WheelWatch::Finding finding) { return words(finding).name; }
 
 std::string describe(Hazards hazards) {
   std::string words;

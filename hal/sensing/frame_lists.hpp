@@ -10,6 +10,7 @@
 #include "oi/dialect.hpp"
 #include "oi/sensors.hpp"
 #include "oi/stream_budget.hpp"
+#include "rt/axes.hpp"
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::hal {
@@ -27,6 +28,22 @@ inline std::optional<FrameList> list_of(const oi::SensorValues& frame, const oi:
     if (frame.present() == dialect.listed[i]) return static_cast<FrameList>(i);
   }
   return std::nullopt;
+}
+
+// Which counters a frame of the list reads.
+constexpr rt::Axes axes_of(FrameList list) CARGOBAY_NONBLOCKING {
+  switch (list) {
+    case FrameList::reading: return rt::kBothAxes;
+    case FrameList::distance:
+    case FrameList::distance_buttons: return {.distance = true};
+    case FrameList::angle: return {.turn = true};
+    case FrameList::hazards:
+    case FrameList::battery:
+    case FrameList::signals_left:
+    case FrameList::signals_right:
+    case FrameList::outputs: break;
+  }
+  return {};
 }
 
 // Those that are streamed only on request, in the order of FrameList.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hal/sensing/frame_lists.hpp"
+#include "rt/axes.hpp"
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::hal {
@@ -30,12 +31,12 @@ class FrameRotation {
     once_ = ExtraLists{static_cast<std::uint8_t>(once_.raw() | extras.raw())};
   }
 
-  // Call once a tick. No allocation.
-  FrameList next(Counters counters) CARGOBAY_NONBLOCKING {
+  // Call once a tick, with the counters that the loop needs. No allocation.
+  FrameList next(Counters counters, const rt::Axes& axes) CARGOBAY_NONBLOCKING {
     ++ticks_since_battery_;
     if (counters != Counters::not_wanted && readings_in_a_row_ < most_readings(counters)) {
       ++readings_in_a_row_;
-      return FrameList::reading;
+      return that_reads(axes);
     }
     readings_in_a_row_ = 0;
     if (once_.any()) {
@@ -51,6 +52,12 @@ class FrameRotation {
   }
 
  private:
+  FrameList that_reads(const rt::Axes& axes) CARGOBAY_NONBLOCKING {
+    if (axes.both()) return FrameList::reading;
+    if (axes.turn) return FrameList::angle;
+    buttons_turn_ = !buttons_turn_;
+    return buttons_turn_ ? FrameList::distance_buttons : FrameList::distance;
+  }
   int most_readings(Counters counters) const CARGOBAY_NONBLOCKING {
     const bool others_wait = extras_.any() || once_.any();
     return counters == Counters::welcome && others_wait ? 1 : kMostReadingsInARow;
@@ -69,6 +76,7 @@ class FrameRotation {
   ExtraLists extras_{};
   ExtraLists once_{};
   bool extras_turn_ = false;
+  bool buttons_turn_ = false;
   int last_extra_ = 0;
 };
 

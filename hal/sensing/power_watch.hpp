@@ -29,6 +29,8 @@ class PowerWatch {
 
   // Call for each frame. Returns what to report; valid until the next call.
   const News& see(const oi::SensorValues& frame) CARGOBAY_NONBLOCKING;
+  // Those of the last frame that has them.
+  oi::BitSet<oi::Overcurrent> overcurrents() const CARGOBAY_NONBLOCKING { return overcurrents_; }
   // All 0 until the first frame that has them.
   const BatteryState& battery() const CARGOBAY_NONBLOCKING { return battery_; }
 

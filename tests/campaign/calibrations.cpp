@@ -39,12 +39,12 @@ hal::Result<hal::CalibrationResult> calibrate(const PlantValues& plant, std::uin
   hal::Calibration::prepare(parameters);
   PlantRobot robot{plant, seed};
   rt::WheelLoop loop{parameters.loop};
-  bool reads = true;
+  rt::Axes reads = rt::kBothAxes;
   const int ticks = static_cast<int>(hal::Calibration::duration_s() / kTickS) + 1;
   for (int tick = 0; tick < ticks; ++tick) {
     robot.tick(loop.command());
     hal::CycleState state{.tick = tick};
-    if (reads) state.reading = robot.read();
+    state.reading = robot.read(reads);
     loop.frame(state.reading);
     (void)loop.take_travels();
     state.command = loop.control(calibration.at(tick * kTickS));

@@ -32,6 +32,10 @@ struct PlantValues {
   double wheel_base_mm = 258.0;
   rt::Remainder remainder = rt::Remainder::carried;
   bool counts_by_command = false;  // with the sign of the command, whichever way the wheel rolls
+  // Part of what is counted that is not gone; negative where counts are missed.
+  double slip_left = 0.0;
+  double slip_right = 0.0;
+  double base_error = 0.0;  // by which the true wheel base is larger than the robot reckons with
 };
 
 // One of the family; the same for the same seed.
@@ -53,6 +57,12 @@ inline PlantValues any_plant(std::uint64_t seed, rt::Remainder remainder) {
   return plant;
 }
 
+// What goes wrong with a wheel.
+struct WheelFault {
+  double counts = 1.0;  // of its counts that are seen; below 0: with the other sign
+  bool stuck = false;   // it does not turn
+};
+
 class PlantWheel {
  public:
   // The command is here now, and acts a dead time later.
@@ -71,15 +81,17 @@ class PlantWheel {
     const double wanted = gain * driven_ + (driven_ != 0.0 ? noise_mm_s : 0.0);
     const double former = speed_mm_s;
     speed_mm_s = wanted + (speed_mm_s - wanted) * std::exp(-period_s / plant.lag_s);
-    const double way = 0.5 * (former + speed_mm_s) * period_s;
+    if (fault.stuck) speed_mm_s = 0.0;
+    const double way = fault.stuck ? 0.0 : 0.5 * (former + speed_mm_s) * period_s;
     way_mm += way;
-    counted_mm += plant.counts_by_command ? sign_ * std::abs(way) : way;
+    counted_mm += fault.counts * (plant.counts_by_command ? sign_ * std::abs(way) : way);
   }
 
   double speed_mm_s = 0.0;
   double way_mm = 0.0;
   double counted_mm = 0.0;
   double noise_mm_s = 0.0;
+  WheelFault fault{};
 
  private:
   struct Waiting {
@@ -128,23 +140,32 @@ class PlantRobot {
       const double right_mm = right_.way_mm;
       left_.advance(now_s, kStepS, load_ * plant_.gain_left, plant_);
       right_.advance(now_s, kStepS, load_ * plant_.gain_right, plant_);
-      move(left_.way_mm - left_mm, right_.way_mm - right_mm);
+      move((1.0 - plant_.slip_left) * (left_.way_mm - left_mm),
+           (1.0 - plant_.slip_right) * (right_.way_mm - right_mm));
     }
     time_s_ += kTickS;
   }
 
-  rt::WheelEstimator::Reading read() {
+  rt::WheelEstimator::Reading read(const rt::Axes& axes) {
     const double left_mm = left_.counted_mm - read_left_mm_;
     const double right_mm = right_.counted_mm - read_right_mm_;
     read_left_mm_ = left_.counted_mm;
     read_right_mm_ = right_.counted_mm;
     distance_mm_ += 0.5 * (left_mm + right_mm);
     angle_deg_ += (right_mm - left_mm) / plant_.wheel_base_mm * 180.0 / std::numbers::pi;
-    return {.distance_mm = take(distance_mm_), .angle_deg = take(angle_deg_)};
+    rt::WheelEstimator::Reading reading;
+    if (axes.distance) reading.distance_mm = take(distance_mm_);
+    if (axes.turn) reading.angle_deg = take(angle_deg_);
+    return reading;
   }
 
   // A factor on both gains from now on.
   void load(double factor) { load_ = factor; }
+  // From now on.
+  void fail(const WheelFault& left, const WheelFault& right) {
+    left_.fault = left;
+    right_.fault = right;
+  }
   rt::WheelSpeeds speeds() const { return {left_.speed_mm_s, right_.speed_mm_s}; }
   const TruePose& pose() const { return pose_; }
 
@@ -159,7 +180,8 @@ class PlantRobot {
     }
   }
   void move(double left_mm, double right_mm) {
-    const double turn_rad = (right_mm - left_mm) / plant_.wheel_base_mm;
+    const double turn_rad =
+        (right_mm - left_mm) / (plant_.wheel_base_mm * (1.0 + plant_.base_error));
     const double middle_rad = pose_.heading_rad + 0.5 * turn_rad;
     pose_.x_mm += 0.5 * (left_mm + right_mm) * std::cos(middle_rad);
     pose_.y_mm += 0.5 * (left_mm + right_mm) * std::sin(middle_rad);

@@ -201,7 +201,7 @@ void read_packets() {
   check(robot.readings(Packet::wall).error().code == ErrorCode::no_frame, "no frame has come");
   drive.run(100);
   const auto [wall, signal] = *robot.readings(Packet::wall, Packet::wall_signal);
-  check(wall.packet == Packet::wall && wall.tick > 90 && wall.arrival > 0s, "one comes always");
+  check(wall.packet == Packet::wall && wall.tick > 80 && wall.arrival > 0s, "one comes always");
   check(signal.packet == Packet::wall_signal && signal.tick == -1, "the other on request");
   const std::array packets{Packet::wall_signal, Packet::cliff_left_signal};
   check(robot.subscribe(packets) && robot.subscribe(Packet::wall_signal), "it is subscribed to");

@@ -48,7 +48,7 @@ static void keeps_to_its_room(const struct cargobay_event* event, const char* wh
 
 static void events_are_described(void) {
   char text[300];
-  for (int kind = CARGOBAY_EVENT_MODE_LOST; kind <= CARGOBAY_EVENT_PORT_SHARED; ++kind) {
+  for (int kind = CARGOBAY_EVENT_MODE_LOST; kind <= CARGOBAY_EVENT_LIMIT_ENDED; ++kind) {
     SIZED(cargobay_event, event);
     event.kind = kind;
     const int length = cargobay_describe_event(&event, text, sizeof text);
@@ -59,9 +59,9 @@ static void events_are_described(void) {
 }
 
 int main(void) {
-  are_named(cargobay_error_name, CARGOBAY_E_CANCELLED, CARGOBAY_ENDED, "CARGOBAY_E_?");
+  are_named(cargobay_error_name, CARGOBAY_E_WHEELS, CARGOBAY_ENDED, "CARGOBAY_E_?");
   are_named(cargobay_mode_name, CARGOBAY_MODE_OFF, CARGOBAY_MODE_FULL, "");
-  are_named(cargobay_event_name, CARGOBAY_EVENT_MODE_LOST, CARGOBAY_EVENT_PORT_SHARED, "");
+  are_named(cargobay_event_name, CARGOBAY_EVENT_MODE_LOST, CARGOBAY_EVENT_LIMIT_ENDED, "");
   are_named(cargobay_packet_name, CARGOBAY_PACKET_BUMPS_AND_WHEEL_DROPS,
             CARGOBAY_PACKET_REQUESTED_LEFT_VELOCITY, "");
   is(cargobay_error_name(CARGOBAY_OK), "CARGOBAY_OK");
@@ -71,6 +71,8 @@ int main(void) {
   is(cargobay_mode_name(CARGOBAY_MODE_PASSIVE), "passive");
   is(cargobay_event_name(CARGOBAY_EVENT_MODE_LOST), "mode_lost");
   is(cargobay_event_name(CARGOBAY_EVENT_PORT_SHARED), "port_shared");
+  is(cargobay_event_name(CARGOBAY_EVENT_WHEEL_STUCK), "wheel_stuck");
+  is(cargobay_error_name(CARGOBAY_E_WHEELS), "CARGOBAY_E_WHEELS");
   is(cargobay_packet_name(CARGOBAY_PACKET_WALL_SIGNAL), "wall_signal");
   is(cargobay_packet_name(CARGOBAY_PACKET_REQUESTED_LEFT_VELOCITY), "requested_left_velocity");
   has_a_version();

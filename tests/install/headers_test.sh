@@ -231,7 +231,7 @@ self_test() {
   compilers=("$gcc")
   only='c89' caught "a comment of C99" all_standards '-std=c89' cargobay.h '/^#include <stdint.h>/a // planted'
   only='c++98' caught "a comma of C++11" all_standards '-std=c\+\+98' cargobay.h \
-    's/(CARGOBAY_E_CANCELLED = -26)/\1,/'
+    's/(CARGOBAY_E_WHEELS = -27)/\1,/'
   caught "a hole" layouts 'a hole before cargobay_truth\.' cargobay.h \
     "$truth"' s/^  int32_t mode;/&\n  uint32_t planted;/'
   caught "padding at the end" layouts 'padding at the end of cargobay_truth' cargobay.h \

@@ -30,14 +30,15 @@ class MemoryStream final : public hal::ByteStream {
   }
   Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     hal::jitter::FrameBytes& frame = frames_[list_];
-    if (list_ == kReading) count_distance(frame);
+    if (list_ == kReading) count_distance(frame, 7);
+    if (list_ == kDistance || list_ == kDistanceButtons) count_distance(frame, 5);
     std::memcpy(bytes.data(), frame.data(), frame.size());
     return {.count = frame.size()};
   }
   Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     speed_mm_s_ = static_cast<std::int16_t>(bytes[1] << 8U | bytes[2]);
-    // A list follows the Drive Direct; its second packet shows which it is.
-    if (bytes.size() > kSecondPacket) list_ = list_with(bytes[kSecondPacket]);
+    // A list follows the Drive Direct; its packets show which it is.
+    if (bytes.size() > kFirstPacket) list_ = list_of(bytes.subspan(kFirstPacket));
     return {.count = bytes.size()};
   }
   rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return now_; }
@@ -51,23 +52,31 @@ class MemoryStream final : public hal::ByteStream {
  private:
   static constexpr int kTickMs = 15;
   static constexpr int kUmPerMm = 1000;
-  static constexpr std::size_t kSecondPacket = oi::kDriveDirectBytes + 3;
-  static constexpr std::size_t kReading = 0;
+  static constexpr std::size_t kFirstPacket = oi::kDriveDirectBytes + 2;
+  static constexpr auto kReading = static_cast<std::size_t>(oi::FrameList::reading);
+  static constexpr auto kDistance = static_cast<std::size_t>(oi::FrameList::distance);
+  static constexpr auto kDistanceButtons =
+      static_cast<std::size_t>(oi::FrameList::distance_buttons);
 
-  static std::size_t list_with(std::uint8_t second_packet) CARGOBAY_NONBLOCKING {
-    if (second_packet == static_cast<std::uint8_t>(oi::PacketId::group_2)) return kReading;
-    return second_packet == static_cast<std::uint8_t>(oi::PacketId::group_1) ? 1 : 2;
+  static std::size_t list_of(std::span<const std::uint8_t> ids) CARGOBAY_NONBLOCKING {
+    for (std::size_t i = 0; i < oi::kFrameLists; ++i) {
+      const oi::StreamList& list = oi::kCreate.frame_lists[i];
+      bool same = ids.size() >= list.size();
+      for (std::size_t packet = 0; same && packet < list.size(); ++packet)
+        same = ids[packet] == static_cast<std::uint8_t>(list[packet]);
+      if (same) return i;
+    }
+    return kReading;
   }
 
-  // Header, length, mode, group 2: infrared byte, buttons, then the distance.
-  void count_distance(hal::jitter::FrameBytes& frame) CARGOBAY_NONBLOCKING {
-    constexpr std::size_t kDistance = 7;
+  // Header, length, mode, then the distance, or group 2: infrared byte, buttons, distance.
+  void count_distance(hal::jitter::FrameBytes& frame, std::size_t at) CARGOBAY_NONBLOCKING {
     const int mm = unread_um_ / kUmPerMm;
     unread_um_ = remainder_ == rt::Remainder::carried ? unread_um_ % kUmPerMm : 0;
-    const int before = frame[kDistance] + frame[kDistance + 1];
-    frame[kDistance] = static_cast<std::uint8_t>(static_cast<unsigned>(mm) >> 8U);
-    frame[kDistance + 1] = static_cast<std::uint8_t>(mm);
-    const int change = frame[kDistance] + frame[kDistance + 1] - before;
+    const int before = frame[at] + frame[at + 1];
+    frame[at] = static_cast<std::uint8_t>(static_cast<unsigned>(mm) >> 8U);
+    frame[at + 1] = static_cast<std::uint8_t>(mm);
+    const int change = frame[at] + frame[at + 1] - before;
     frame.back() = static_cast<std::uint8_t>(frame.back() - change);
   }
 
@@ -77,10 +86,7 @@ class MemoryStream final : public hal::ByteStream {
   std::size_t list_ = kReading;
   int speed_mm_s_ = 0;
   int unread_um_ = 0;
-  std::array<hal::jitter::FrameBytes, 3> frames_{
-      hal::jitter::sample_frame(hal::FrameList::reading),
-      hal::jitter::sample_frame(hal::FrameList::hazards),
-      hal::jitter::sample_frame(hal::FrameList::battery)};
+  std::array<hal::jitter::FrameBytes, oi::kFrameLists> frames_ = hal::jitter::sample_frames();
 };
 
 }  // namespace cargobay::test

@@ -46,7 +46,7 @@ class Axis {
   double position_mm_ = 0.0;
 };
 
-struct Course {
+struct Route {
   double command_mm_s = 200.0;
   double gain = 0.92;
   double told_gain = 0.91;
@@ -63,7 +63,7 @@ struct Outcome {
 };
 
 // Starts, reverses after 3 s, and goes on for another 3 s.
-Outcome follow(const Course& run) {
+Outcome follow(const Route& run) {
   Axis axis{run.true_step_mm, run.remainder};
   AxisFilter filter{{.step_mm = run.told_step_mm, .disturbance_lag_s = run.disturbance_lag_s}};
   double squares = 0.0;
@@ -151,7 +151,7 @@ TEST(AxisFilter, FollowsAKnownTrajectory) {
 
 TEST(AxisFilter, FollowsACounterThatLosesTheRemainder) {
   for (const double command_mm_s : {40.0, 117.0, 200.0, 333.0, 480.0}) {
-    const Course run{.command_mm_s = command_mm_s, .remainder = Remainder::lost, .read_every = 10};
+    const Route run{.command_mm_s = command_mm_s, .remainder = Remainder::lost, .read_every = 10};
     EXPECT_LT(follow(run).rmse_mm_s, 6.0) << command_mm_s;
   }
 }

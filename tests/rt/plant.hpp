@@ -55,14 +55,16 @@ class Plant {
     }
   }
 
-  // Reads both counters, and so clears them.
-  WheelEstimator::Reading read() {
+  // Reads these counters, and so clears them.
+  WheelEstimator::Reading read(const Axes& axes = kBothAxes) {
     distance_mm_ += (left_.travel_mm + right_.travel_mm) / 2.0;
     angle_deg_ +=
         (right_.travel_mm - left_.travel_mm) / parameters_.wheel_base_mm * 180.0 / std::numbers::pi;
     left_.travel_mm = right_.travel_mm = 0.0;
-    if (!parameters_.counts) return {};
-    return {.distance_mm = take(distance_mm_), .angle_deg = take(angle_deg_)};
+    WheelEstimator::Reading reading;
+    if (axes.distance) reading.distance_mm = parameters_.counts ? take(distance_mm_) : 0;
+    if (axes.turn) reading.angle_deg = parameters_.counts ? take(angle_deg_) : 0;
+    return reading;
   }
 
   // Changes while it drives: load, floor, another robot.

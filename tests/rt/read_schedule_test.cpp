@@ -12,13 +12,24 @@ using Motion = ReadSchedule::Motion;
 
 enum class Sure : bool { no, yes };
 
-// `count` ticks as a picture: R reads the counters, a dot does not.
-std::string ticks(ReadSchedule& schedule, int count, RemainderBelief belief, Motion motion,
-                  Sure sure = Sure::yes) {
+// `count` ticks as a picture: R reads both counters, D the distance alone, A the angle, a dot none.
+std::string counters(ReadSchedule& schedule, int count, const ReadSchedule::Now& now) {
   std::string picture;
   for (int i = 0; i < count; ++i) {
-    picture += schedule.next_reads(belief, sure == Sure::yes, motion) ? 'R' : '.';
+    const Axes reads = schedule.next_reads(now);
+    picture += reads.both() ? 'R' : reads.distance ? 'D' : reads.turn ? 'A' : '.';
   }
+  return picture;
+}
+// The same, R for any.
+std::string ticks(ReadSchedule& schedule, int count, RemainderBelief belief, Motion motion,
+                  Sure sure = Sure::yes) {
+  std::string picture = counters(schedule, count,
+                                 {.belief = belief,
+                                  .sure = sure == Sure::yes,
+                                  .motion = motion,
+                                  .distance = {.steps_a_tick = 3.0}});
+  std::ranges::replace_if(picture, [](char tick) { return tick != '.'; }, 'R');
   return picture;
 }
 std::string repeated(const std::string& text, int times) {
@@ -57,35 +68,40 @@ constexpr auto kCarried = RemainderBelief::carried;
 constexpr auto kLost = RemainderBelief::lost;
 
 TEST(ReadSchedule, ReadsEveryTickAtRest) {
-  for (const auto belief : {kUnknown, kCarried, kLost}) {
+  for (const auto belief : {kUnknown, kCarried}) {
     ReadSchedule schedule{{}};
-    EXPECT_EQ(ticks(schedule, 500, belief, Motion::none), reads(500));
+    EXPECT_EQ(counters(schedule, 500, {.belief = belief}), reads(500));
   }
 }
 
 // A window ends in a reading of its own, from which the single ones count.
 TEST(ReadSchedule, DoesBothInTurnWhileTheKindIsNotKnown) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 3 * 16, kUnknown, Motion::steady), repeated(window(8) + reads(8), 3));
+  EXPECT_EQ(ticks(schedule, 9, kUnknown, Motion::steady), window(4) + window(4) + ".");
+  EXPECT_EQ(ticks(schedule, 7 + 2 * 16, kUnknown, Motion::steady),
+            window(7) + reads(8) + window(8) + reads(8) + window(8));
 }
 
-// Until the speed is steady, or the robot has moved for long enough, the evidence would be poor.
+// Until the speed is steady, or the robot has moved for long enough, the evidence would be poor;
+// short windows show how the wheels begin.
 TEST(ReadSchedule, KeepsToWindowsUntilTheKindCanBeSeen) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 10, kUnknown, Motion::changing), window(8) + "..");
-  EXPECT_EQ(ticks(schedule, 3, kUnknown, Motion::steady), "...") << "not steady for long enough";
-  EXPECT_EQ(ticks(schedule, 3 + 8 + 8, kUnknown, Motion::steady), "..R" + reads(8) + window(8));
+  EXPECT_EQ(ticks(schedule, 6, kUnknown, Motion::changing), window(4) + "..");
+  EXPECT_EQ(ticks(schedule, 10, kUnknown, Motion::steady), ".R" + window(4) + "....")
+      << "not steady for long enough";
+  EXPECT_EQ(ticks(schedule, 4 + 8 + 8, kUnknown, Motion::steady), window(4) + reads(8) + window(8));
   ReadSchedule restless{{}};
-  EXPECT_EQ(ticks(restless, 19, kUnknown, Motion::changing), window(8) + window(8) + "...");
+  EXPECT_EQ(ticks(restless, 19, kUnknown, Motion::changing), repeated(window(4), 4) + "...");
   EXPECT_EQ(ticks(restless, 5 + 8 + 8, kUnknown, Motion::changing),
             window(5) + reads(8) + window(8));
 }
 
 TEST(ReadSchedule, BeginsAgainWithEachMotion) {
   ReadSchedule schedule{{}};
-  EXPECT_EQ(ticks(schedule, 13, kUnknown, Motion::steady), window(8) + reads(5));
+  const auto begin = window(4) + window(4);
+  EXPECT_EQ(ticks(schedule, 8 + 8 + 5, kUnknown, Motion::steady), begin + window(8) + reads(5));
   EXPECT_EQ(ticks(schedule, 3, kUnknown, Motion::none), reads(3));
-  EXPECT_EQ(ticks(schedule, 16, kUnknown, Motion::steady), window(8) + reads(8));
+  EXPECT_EQ(ticks(schedule, 8 + 8 + 8, kUnknown, Motion::steady), begin + window(8) + reads(8));
 }
 
 TEST(ReadSchedule, ReadsEveryTickWhereTheRemainderIsCarried) {
@@ -123,8 +139,8 @@ TEST(ReadSchedule, WidensTheWindowOnceTheSpeedIsSteady) {
   ReadSchedule schedule{{}};
   EXPECT_EQ(ticks(schedule, 12, kLost, Motion::steady), window(6) + window(6));
   const std::string picture = ticks(schedule, 240, kLost, Motion::steady);
-  EXPECT_NE(picture.find(window(40) + window(40) + window(40)), std::string::npos) << picture;
-  EXPECT_EQ(widest_in(picture), 40);
+  EXPECT_NE(picture.find(window(12) + window(12) + window(12)), std::string::npos) << picture;
+  EXPECT_EQ(widest_in(picture), 12);
 }
 
 TEST(ReadSchedule, ReadsSoonAfterAChangeOfSpeed) {
@@ -147,12 +163,71 @@ TEST(ReadSchedule, SeldomTriesWhetherItIsStillLost) {
   ReadSchedule schedule{{}};
   const std::string picture = ticks(schedule, 10'240, kLost, Motion::steady);
   EXPECT_EQ(rows_in(picture), 10);
-  EXPECT_LE(std::count(picture.begin(), picture.end(), 'R'), 10 * (1024 / 40 + 8 + 3));
+  EXPECT_LE(std::count(picture.begin(), picture.end(), 'R'), 10 * (1024 / 12 + 8 + 3));
 }
 
 TEST(ReadSchedule, TakesItsLengthsFromItsParameters) {
   ReadSchedule schedule{{.probe_window_ticks = 3, .probe_reads = 2, .probe_steady_ticks = 1}};
   EXPECT_EQ(ticks(schedule, 10, kUnknown, Motion::steady), "..RRR..RRR");
+}
+
+// What has gathered of the angle: steps, and how sure.
+ReadSchedule::Now losing(double steps, double sd, int blank_ticks = 0) {
+  return {.belief = kLost,
+          .sure = true,
+          .motion = Motion::changing,
+          .distance = {.steps_a_tick = 3.0},
+          .turn = {.steps = steps, .sd = sd, .blank_ticks = blank_ticks}};
+}
+
+TEST(ReadSchedule, ReadsTheAngleOfARobotThatLosesItOnlyWhenThatTells) {
+  ReadSchedule schedule{{}};
+  EXPECT_EQ(counters(schedule, 600, losing(0.0, 0.9)), repeated(".....D", 100)) << "near nothing";
+  EXPECT_EQ(counters(schedule, 18, losing(3.0, 0.6)), "A....D.....D.....D") << "after so long";
+  EXPECT_EQ(counters(schedule, 12, losing(3.0, 1.0)), "A....D.....R") << "and then not at once:";
+  EXPECT_EQ(counters(schedule, 24, losing(-3.0, 1.0)), ".....D....AD.....D...A.D");
+}
+
+TEST(ReadSchedule, WaitsTwiceAsLongForAnAngleThatWasNothing) {
+  ReadSchedule schedule{{}};
+  const auto angles = [](const std::string& picture) {
+    return std::ranges::count_if(picture, [](char tick) { return tick == 'A' || tick == 'R'; });
+  };
+  EXPECT_EQ(angles(counters(schedule, 200, losing(0.0, 2.0, 100))), 0);
+  EXPECT_EQ(angles(counters(schedule, 2, losing(0.0, 2.0, 100))), 1);
+  (void)counters(schedule, 20, losing(0.0, 2.0, 100));
+  EXPECT_EQ(angles(counters(schedule, 1, losing(0.0, 5.0, 100))), 1) << "so much cannot wait";
+}
+
+// At a stop, what is left of a step belongs to the next motion.
+TEST(ReadSchedule, LeavesTheAngleAloneAtAShortStop) {
+  ReadSchedule schedule{{}};
+  ReadSchedule::Now stands = losing(0.4, 0.5);
+  stands.motion = Motion::none;
+  EXPECT_EQ(counters(schedule, 132, stands), std::string(132, 'D'));
+  EXPECT_EQ(counters(schedule, 2, stands), "RR");
+}
+
+// A single tick in which the robot hardly turns only loses; one that spins shows in the angle.
+TEST(ReadSchedule, ProbesTheAxisThatShowsTheKind) {
+  ReadSchedule::Now now{.motion = Motion::steady, .distance = {.steps_a_tick = 3.0}};
+  ReadSchedule straight{{}};
+  EXPECT_EQ(counters(straight, 8 + 16, now),
+            "...D...D"
+            ".......D"
+            "DDDDDDDD");
+  now.turn.steps_a_tick = 0.6;
+  ReadSchedule arc{{}};
+  EXPECT_EQ(counters(arc, 8 + 16, now),
+            "...R...R"
+            ".......R"
+            "RRRRRRRR");
+  now.distance.steps_a_tick = 0.0;
+  ReadSchedule spin{{}};
+  EXPECT_EQ(counters(spin, 8 + 16, now),
+            "...R...R"
+            ".......R"
+            "AAAAAAAA");
 }
 
 }  // namespace

@@ -235,7 +235,7 @@ TEST_P(RemainderJudgeOfBothKinds, IsNotMisledByTransients) {
       if (phase < kWindow - 1) continue;
       const auto reading = plant.read();
       const int ticks = phase == kWindow - 1 ? kWindow : 1;
-      odds += judge.read(ticks, {.distance = reading.distance_mm, .turn = reading.angle_deg});
+      odds += judge.read(ticks, {.distance = *reading.distance_mm, .turn = *reading.angle_deg});
       odds = std::clamp(odds, -20.0, 20.0);
       least = std::min(least, towards(GetParam(), odds));
     }

@@ -229,5 +229,27 @@ TEST(SlewLimiter, LetsBothWheelsArriveTogether) {
   }
 }
 
+// Nothing but a look: the next step is as it would have been.
+TEST(SlewLimiter, LooksAhead) {
+  for (const double jerk_mm_s3 : {0.0, 5000.0}) {
+    SlewLimiter slew{{.acceleration_mm_s2 = 500.0, .jerk_mm_s3 = jerk_mm_s3}};
+    const WheelSpeeds target{300.0, -150.0};
+    for (int i = 0; i < 100; ++i) {
+      const SlewLimiter now = slew;
+      const SlewLimiter later = now.ahead(target, 3 * 0.015, 0.015);
+      EXPECT_EQ(now.ahead(target, 0.0, 0.015).speeds(), now.speeds());
+      SlewLimiter steps = now;
+      for (int step = 0; step < 3; ++step) steps.step(target, 0.015);
+      EXPECT_NEAR(later.speeds().left_mm_s, steps.speeds().left_mm_s, 1e-9) << i;
+      EXPECT_NEAR(later.rates().right_mm_s, steps.rates().right_mm_s, 1e-9) << i;
+      if (jerk_mm_s3 == 0.0 && i > 0 && i < 30) {
+        const SlewLimiter half = now.ahead(target, 0.0075, 0.015);
+        EXPECT_NEAR(half.speeds().left_mm_s, now.speeds().left_mm_s + 3.75, 1e-9) << i;
+      }
+      slew.step(target, 0.015);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cargobay::rt

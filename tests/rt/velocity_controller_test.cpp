@@ -16,7 +16,16 @@ const VelocityController kController{VelocityController::Parameters{}};
 
 double command(const Wish& wish, const Wheel& wheel) { return kController.command(wish, wheel); }
 // At a constant set speed.
-Wish steadily(double set_mm_s) { return {.set_mm_s = set_mm_s, .target_mm_s = set_mm_s}; }
+Wish steadily(double set_mm_s) {
+  return {.set_mm_s = set_mm_s, .ahead_mm_s = set_mm_s, .target_mm_s = set_mm_s};
+}
+// On the way to a target.
+Wish under_way(double set_mm_s, double rate_mm_s2, double target_mm_s) {
+  return {.set_mm_s = set_mm_s,
+          .ahead_mm_s = set_mm_s,
+          .rate_mm_s2 = rate_mm_s2,
+          .target_mm_s = target_mm_s};
+}
 
 TEST(VelocityController, SendsTheSetSpeedThroughTheGain) {
   EXPECT_DOUBLE_EQ(command(steadily(200.0), {.gain = 1.0, .speed_mm_s = 200.0}), 200.0);
@@ -25,8 +34,15 @@ TEST(VelocityController, SendsTheSetSpeedThroughTheGain) {
 }
 
 TEST(VelocityController, LeadsByTheLagWhileTheSetSpeedChanges) {
-  const Wish wish{.set_mm_s = 200.0, .rate_mm_s2 = 1000.0, .target_mm_s = 400.0};
-  EXPECT_DOUBLE_EQ(command(wish, {.lag_s = 0.1, .speed_mm_s = 200.0}), 300.0);
+  EXPECT_DOUBLE_EQ(command(under_way(200.0, 1000.0, 400.0), {.lag_s = 0.1, .speed_mm_s = 200.0}),
+                   300.0);
+}
+
+// The error is that of now; the drive is for when the command acts.
+TEST(VelocityController, SendsWhatIsWantedWhenItActs) {
+  const Wish wish{.set_mm_s = 200.0, .ahead_mm_s = 250.0, .target_mm_s = 400.0};
+  EXPECT_DOUBLE_EQ(command(wish, {.proportional = 0.5, .speed_mm_s = 200.0}), 250.0);
+  EXPECT_DOUBLE_EQ(command(wish, {.proportional = 0.5, .speed_mm_s = 180.0}), 260.0);
 }
 
 // A wheel that falls short, and one that is slow just now.
@@ -42,8 +58,8 @@ TEST(VelocityController, MakesUpForADisturbanceAndAnError) {
 
 TEST(VelocityController, StaysWithinTheLimit) {
   const Wheel wheel{.lag_s = 0.1};
-  EXPECT_EQ(command({490.0, 1000.0, 500.0}, wheel), 500.0);
-  EXPECT_EQ(command({-490.0, -1000.0, -500.0}, wheel), -500.0);
+  EXPECT_EQ(command(under_way(490.0, 1000.0, 500.0), wheel), 500.0);
+  EXPECT_EQ(command(under_way(-490.0, -1000.0, -500.0), wheel), -500.0);
   const VelocityController narrow{{.max_command_mm_s = 300.0}};
   EXPECT_EQ(narrow.command(steadily(400.0), wheel), 300.0);
 }
@@ -53,7 +69,7 @@ TEST(VelocityController, IsCautiousWhileTheGainIsNotKnown) {
   for (const double set_mm_s : {20.0, 100.0, 166.0, 300.0}) {
     for (const double gain_sd : {0.01, 0.05, 0.1, 0.2}) {
       const Wheel wheel{.gain = 0.92, .gain_sd = gain_sd, .speed_mm_s = set_mm_s};
-      const double strongest = 0.92 + 1.5 * gain_sd;
+      const double strongest = 0.92 + 1.3 * gain_sd;
       const double may = std::max(0.06 * set_mm_s, 10.0);
       const double sent = command(steadily(set_mm_s), wheel);
       EXPECT_LE(strongest * sent, set_mm_s + may + 1e-9) << set_mm_s << ' ' << gain_sd;
@@ -72,8 +88,8 @@ TEST(VelocityController, IsCautiousWhileTheGainIsNotKnown) {
 TEST(VelocityController, IsCautiousForTheSpeedThatIsToCome) {
   const Wheel wheel{.gain = 0.92, .gain_sd = 0.1};
   const double at_target = command(steadily(300.0), wheel) / 300.0;
-  EXPECT_NEAR(command({10.0, 0.0, 300.0}, wheel) / 10.0, at_target, 1e-9);
-  EXPECT_NEAR(command({300.0, 0.0, 0.0}, wheel) / 300.0, at_target, 1e-9);
+  EXPECT_NEAR(command(under_way(10.0, 0.0, 300.0), wheel) / 10.0, at_target, 1e-9);
+  EXPECT_NEAR(command(under_way(300.0, 0.0, 0.0), wheel) / 300.0, at_target, 1e-9);
   EXPECT_GT(command(steadily(10.0), wheel) / 10.0, at_target) << "10 mm/s may be overshot";
 }
 
@@ -81,7 +97,7 @@ TEST(VelocityController, IsCautiousForTheSpeedThatIsToCome) {
 TEST(VelocityController, NeverCommandsAgainstTheWayThatTheWheelRolls) {
   for (const double sign : {1.0, -1.0}) {
     const Wheel rolling{.lag_s = 0.1, .proportional = 0.5, .speed_mm_s = sign * 120.0};
-    EXPECT_EQ(command({sign * 50.0, sign * -1000.0, 0.0}, rolling), 0.0) << "braking";
+    EXPECT_EQ(command(under_way(sign * 50.0, sign * -1000.0, 0.0), rolling), 0.0) << "braking";
     EXPECT_EQ(command(steadily(sign * -200.0), rolling), 0.0) << "reversing";
     const Wheel slow{.speed_mm_s = sign * 5.0};
     EXPECT_EQ(command(steadily(sign * -200.0), slow), sign * -200.0)

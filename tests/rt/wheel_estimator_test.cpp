@@ -30,17 +30,19 @@ class Drive {
 
   void tick(const WheelSpeeds& command, Frame frame = Frame::arrives) {
     plant_.tick(command_);
-    const bool read = reads_;
-    const WheelEstimator::Reading reading = read ? plant_.read() : WheelEstimator::Reading{};
+    const WheelEstimator::Reading reading = plant_.read(reads_);
     if (frame == Frame::is_lost) {
-      estimator_.step_lost(command_, read);
+      estimator_.step_lost(command_, reads_);
     } else {
-      estimator_.step(command_, read ? std::optional{reading} : std::nullopt);
+      estimator_.step(command_, reading);
     }
     using Motion = ReadSchedule::Motion;
     const bool moves = command != WheelSpeeds{};
-    reads_ = schedule_.next_reads(estimator_.belief(), estimator_.sure(),
-                                  moves ? Motion::steady : Motion::none);
+    reads_ = schedule_.next_reads({.belief = estimator_.belief(),
+                                   .sure = estimator_.sure(),
+                                   .motion = moves ? Motion::steady : Motion::none,
+                                   .distance = estimator_.unread_distance(),
+                                   .turn = estimator_.unread_turn()});
     command_ = command;
     ++ticks_;
   }
@@ -68,7 +70,7 @@ class Drive {
   WheelEstimator estimator_;
   ReadSchedule schedule_{ReadSchedule::Parameters{}};
   WheelSpeeds command_{};
-  bool reads_ = true;
+  Axes reads_ = kBothAxes;
   int ticks_ = 0;
 };
 
@@ -190,11 +192,11 @@ TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromAFrameThatComesAfterAll) 
   drive.run({200, 200}, 400);
   WheelEstimator estimator = drive.estimator();
   const double before = estimator.log_odds_carried();
-  estimator.step_lost({200, 200}, true);
+  estimator.step_lost({200, 200}, kBothAxes);
   estimator.came_after_all(1);
-  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 90});
+  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 90, .angle_deg = 0});
   EXPECT_EQ(estimator.log_odds_carried(), before);
-  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 0});
+  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 0, .angle_deg = 0});
   EXPECT_EQ(estimator.log_odds_carried(), before);
   EXPECT_NEAR(estimator.speeds().left_mm_s, drive.estimator().speeds().left_mm_s, 2.0);
 }
@@ -243,7 +245,7 @@ TEST_P(WheelEstimatorOfBothKinds, RejectsAStepThatNoRobotCanMake) {
     const WheelSpeeds command{200, 200};
     for (int tick = 0; tick < 600; ++tick) {
       plant.tick(command);
-      std::optional<WheelEstimator::Reading> reading;
+      WheelEstimator::Reading reading;
       if (GetParam() == Remainder::carried || tick % 40 == 0) reading = plant.read();
       if (tick == 400) reading = junk;
       estimator.step(command, reading);

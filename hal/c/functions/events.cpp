@@ -61,8 +61,20 @@ cargobay_event c_event(const hal::EventLog::Entry& entry) CARGOBAY_NONBLOCKING {
   known.charge_mah = event.battery.charge_mah;
   known.capacity_mah = event.battery.capacity_mah;
   known.process = event.process;
+  known.wheels = event.wheels.raw();
+  known.finding = static_cast<std::int32_t>(event.finding);
+  known.limits = event.limits.raw();
+  known.wanted = {event.wanted.left_mm_s, event.wanted.right_mm_s};
+  known.got = {event.got.left_mm_s, event.got.right_mm_s};
   std::copy(event.process_name.begin(), event.process_name.end(), std::begin(known.process_name));
   return known;
+}
+
+// A program may pass anything.
+rt::WheelWatch::Finding finding_of(std::int32_t number) {
+  using Finding = rt::WheelWatch::Finding;
+  const bool known = number >= 0 && number <= static_cast<std::int32_t>(Finding::jumps);
+  return known ? static_cast<Finding>(number) : Finding::nothing;
 }
 
 hal::Event event_of(const cargobay_event& known) {
@@ -77,12 +89,19 @@ hal::Event event_of(const cargobay_event& known) {
                    .charge_mah = known.charge_mah,
                    .capacity_mah = known.capacity_mah};
   event.process = known.process;
+  event.wheels = oi::BitSet<hal::Wheel>{static_cast<std::uint8_t>(known.wheels)};
+  event.finding = finding_of(known.finding);
+  event.limits = hal::Limits{static_cast<std::uint8_t>(known.limits)};
+  event.wanted = {known.wanted.left_mm_s, known.wanted.right_mm_s};
+  event.got = {known.got.left_mm_s, known.got.right_mm_s};
   std::copy_n(std::begin(known.process_name), event.process_name.size() - 1,
               event.process_name.begin());
   return event;
 }
 
-static_assert(hal::kEventKinds == CARGOBAY_EVENT_PORT_SHARED + 1);
+static_assert(hal::kEventKinds == CARGOBAY_EVENT_LIMIT_ENDED + 1);
+static_assert(static_cast<int>(rt::WheelWatch::Finding::jumps) == CARGOBAY_FINDING_JUMPS);
+static_assert(hal::Limits{}.with(hal::Limit::acceleration).raw() == CARGOBAY_LIMIT_ACCELERATION);
 static_assert(static_cast<int>(hal::EventKind::frames_lost) == CARGOBAY_EVENT_FRAMES_LOST);
 static_assert(hal::Hazards{}.with(hal::Hazard::charger).raw() == CARGOBAY_HAZARD_CHARGER);
 

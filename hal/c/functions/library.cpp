@@ -39,6 +39,7 @@ const char* cargobay_error_name(int error) {
     case CARGOBAY_E_TIMEOUT: return "CARGOBAY_E_TIMEOUT";
     case CARGOBAY_E_NO_FRAME: return "CARGOBAY_E_NO_FRAME";
     case CARGOBAY_E_CANCELLED: return "CARGOBAY_E_CANCELLED";
+    case CARGOBAY_E_WHEELS: return "CARGOBAY_E_WHEELS";
     default: return "CARGOBAY_E_?";
   }
 }

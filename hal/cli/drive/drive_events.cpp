@@ -39,6 +39,16 @@ Json names(oi::PacketId packet, std::uint8_t bits) {
   return names;
 }
 
+// Of a set with two members.
+template <typename Bit>
+Json names_of(oi::BitSet<Bit> set) {
+  Json names = Json::array();
+  for (const Bit bit : {Bit{0}, Bit{1}}) {
+    if (set.has(bit)) names.push_back(hal::name(bit));
+  }
+  return names;
+}
+
 Json wheels(const rt::WheelSpeeds& speeds) {
   return {{"left", speeds.left_mm_s}, {"right", speeds.right_mm_s}};
 }
@@ -79,6 +89,18 @@ void put_payload(Json& out, const hal::Event& event) {
     case Payload::frames: out["frames"] = event.frames; break;
     case Payload::bumps:
       out["bumps"] = names(oi::PacketId::bumps_and_wheel_drops, event.bumps.raw());
+      break;
+    case Payload::wheels:
+      out["wheels"] = names_of<hal::Wheel>(event.wheels);
+      out["finding"] = hal::name(event.finding);
+      out["driven_mm_s"] = wheels(event.wanted);
+      out["counted_mm_s"] = wheels(event.got);
+      out["overcurrents"] = names(oi::PacketId::overcurrents, event.overcurrents.raw());
+      break;
+    case Payload::limits:
+      out["limits"] = names_of<hal::Limit>(event.limits);
+      out["asked_mm_s"] = wheels(event.wanted);
+      out["given_mm_s"] = wheels(event.got);
       break;
     case Payload::process:
       out["process"] = {{"id", event.process}, {"name", event.process_name.data()}};

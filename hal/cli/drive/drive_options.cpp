@@ -81,6 +81,8 @@ hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& 
   hal::apply(config, robot.cycle);
   robot.cycle.loop.feedback =
       options.open_loop ? rt::WheelLoop::Feedback::open : rt::WheelLoop::Feedback::closed;
+  if (options.hold_heading) robot.cycle.loop.course.hold_heading = true;
+  if (options.drive_on) robot.cycle.on_implausible = hal::OnImplausible::report;
   robot.cycle.drive_mode = options.full ? oi::Mode::full : oi::Mode::safe;
   robot.realtime = {.priority = priority(options, config),
                     .cpu = options.cpu ? options.cpu : config.cpu};
@@ -110,8 +112,13 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_flag("--open-loop", options.open_loop,
                    "Send the set speeds as they are, to see what the loop gains");
   command.add_flag(
+      "--hold-heading", options.hold_heading,
+      "Let the heading follow what the wheels were asked for so far, also across stops");
+  command.add_flag(
       "--full", options.full,
       "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
+  command.add_flag("--drive-on", options.drive_on,
+                   "If a wheel is stuck, or distance and angle cannot be true, only report it");
   command.add_flag("--reconnect{30}", options.reconnect,
                    "If the port hangs up or the robot falls silent, wait this many seconds "
                    "(--reconnect=60; 30 by default), and drive on when it is back");

@@ -26,6 +26,8 @@ struct DriveOptions {
   double speed_mm_s = 200.0;
   double duration_s = 10.0;
   bool open_loop = false;
+  bool hold_heading = false;
+  bool drive_on = false;  // whatever the counters say
   bool full = false;
   bool require_rt = false;
   bool no_guard = false;

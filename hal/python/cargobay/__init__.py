@@ -29,15 +29,15 @@ from __future__ import annotations
 
 from ._callbacks import Control, Progress
 from ._names import error_name, event_name, mode_name, packet_name, settings, version
-from .enums import (FINISHED, SETPOINT, Answer, Bump, Button, ErrorCode, EventKind, Feature, Flag,
-                    Hazard, How, Led, Measure, Mode, OutputKind, Overcurrent, Packet, RateChange,
-                    Remainder, SimTime)
+from .enums import (FINISHED, SETPOINT, Answer, Bump, Button, ErrorCode, EventKind, Feature,
+                    Finding, Flag, Hazard, How, Led, Limit, Measure, Mode, OutputKind, Overcurrent,
+                    Packet, RateChange, Remainder, SimTime, Wheel)
 from .errors import (ArgumentError, Busy, Cancelled, ConfigError, ControlError, Error, FileError,
                      GuardError, HandleError, LimitReached, LineFull, LinkError, LoopError,
                      MachineError, ModeLost, NoAccess, NoFrame, NoPort, OutOfMemory, PinError,
                      ProgramError, RightsError, RobotError, SettingError, Silent, Stalled,
                      StateError, SystemRefused, ThreadError, TimedOut, TryAgain, Unconfirmed,
-                     Unplugged, UnsupportedError)
+                     Unplugged, UnsupportedError, WheelsError)
 from .events import Event
 from .histogram import Histogram
 from .records import (BringUp, Distribution, EndReport, Info, Learnt, Note, Reading, Setting,
@@ -48,13 +48,13 @@ from .sim import Sim
 __all__ = [
     "FINISHED", "SETPOINT", "Answer", "ArgumentError", "BringUp", "Bump", "Busy", "Button",
     "Cancelled", "ConfigError", "Control", "ControlError", "Distribution", "EndReport", "Error",
-    "ErrorCode", "Event", "EventKind", "Feature", "FileError", "Flag", "GuardError", "HandleError",
-    "Hazard", "Histogram", "How", "Info", "Learnt", "Led", "LimitReached", "LineFull", "LinkError",
-    "LoopError", "MachineError", "Measure", "Mode", "ModeLost", "NoAccess", "NoFrame", "NoPort",
-    "Note", "OutOfMemory", "OutputKind", "Overcurrent", "Packet", "PinError", "ProgramError",
-    "Progress", "RateChange", "Reading", "Remainder", "RightsError", "Robot", "RobotError",
-    "Setting", "SettingError", "Silent", "Sim", "SimTime", "Stalled", "State", "StateError",
-    "Statistics", "SystemRefused", "ThreadError", "TimedOut", "Truth", "TryAgain", "Twist",
-    "Unconfirmed", "Unplugged", "UnsupportedError", "Wheels", "error_name", "event_name",
-    "mode_name", "packet_name", "settings", "version",
+    "ErrorCode", "Event", "EventKind", "Feature", "FileError", "Finding", "Flag", "GuardError",
+    "HandleError", "Hazard", "Histogram", "How", "Info", "Learnt", "Led", "Limit", "LimitReached",
+    "LineFull", "LinkError", "LoopError", "MachineError", "Measure", "Mode", "ModeLost", "NoAccess",
+    "NoFrame", "NoPort", "Note", "OutOfMemory", "OutputKind", "Overcurrent", "Packet", "PinError",
+    "ProgramError", "Progress", "RateChange", "Reading", "Remainder", "RightsError", "Robot",
+    "RobotError", "Setting", "SettingError", "Silent", "Sim", "SimTime", "Stalled", "State",
+    "StateError", "Statistics", "SystemRefused", "ThreadError", "TimedOut", "Truth", "TryAgain",
+    "Twist", "Unconfirmed", "Unplugged", "UnsupportedError", "Wheel", "Wheels", "WheelsError",
+    "error_name", "event_name", "mode_name", "packet_name", "settings", "version",
 ]

@@ -194,6 +194,8 @@ class State(Sized):
         ("bumps", c_uint32),
         ("buttons", c_uint32),
         ("battery_mv", c_int32),
+        ("limits", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -231,8 +233,12 @@ class Event(Sized):
         ("charge_mah", c_int32),
         ("capacity_mah", c_int32),
         ("process", c_int32),
-        ("reserved", c_uint32),
+        ("wheels", c_uint32),
         ("process_name", c_char * 16),
+        ("finding", c_int32),
+        ("limits", c_uint32),
+        ("wanted", Wheels),
+        ("got", Wheels),
     ]
 
 

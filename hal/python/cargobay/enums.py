@@ -49,6 +49,7 @@ class ErrorCode(_Number):
     TIMEOUT = -24
     NO_FRAME = -25
     CANCELLED = -26
+    WHEELS = -27
 
 
 class SimTime(_Number):
@@ -88,6 +89,8 @@ class Flag(enum.IntFlag):
     NO_CONFIG = 1 << 6
     NO_LEARNT = 1 << 7
     FORGET = 1 << 8
+    HOLD_HEADING = 1 << 9
+    DRIVE_ON = 1 << 10
 
 
 class RateChange(_Number):
@@ -147,6 +150,30 @@ class Overcurrent(enum.IntFlag):
     LOW_SIDE_DRIVER_2 = 1 << 4
 
 
+class Wheel(enum.IntFlag):
+    """Which wheels."""
+
+    LEFT = 1 << 0
+    RIGHT = 1 << 1
+
+
+class Limit(enum.IntFlag):
+    """What holds the wheels back from the speeds asked for."""
+
+    SPEED = 1 << 0
+    ACCELERATION = 1 << 1
+
+
+class Finding(_Number):
+    """What is wrong with a wheel or its counter."""
+
+    NOTHING = 0
+    STILL = 1
+    REVERSED = 2
+    FEW = 3
+    JUMPS = 4
+
+
 class OutputKind(_Number):
     """What a control function wants; in Python the type of its answer says so."""
 
@@ -175,6 +202,10 @@ class EventKind(_Number):
     BUMP_BEGAN = 14
     BUMP_ENDED = 15
     PORT_SHARED = 16
+    WHEEL_STUCK = 17
+    COUNTERS_IMPLAUSIBLE = 18
+    LIMIT_BEGAN = 19
+    LIMIT_ENDED = 20
 
 
 class Packet(_Number):

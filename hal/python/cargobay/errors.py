@@ -189,6 +189,12 @@ class GuardError(LoopError):
     code = ErrorCode.GUARD
 
 
+class WheelsError(LoopError):
+    """A wheel is stuck, or distance and angle cannot be true: its event says which."""
+
+    code = ErrorCode.WHEELS
+
+
 class LineFull(TryAgain):
     """No room on the line for this now."""
 

@@ -12,7 +12,8 @@ from typing import Self
 
 from . import _arguments
 from . import _structs as c
-from .enums import (Bump, Button, ErrorCode, Feature, Hazard, Mode, Packet, RateChange, Remainder)
+from .enums import (Bump, Button, ErrorCode, Feature, Hazard, Limit, Mode, Packet, RateChange,
+                    Remainder)
 
 
 def timedelta_of(time_ns: int) -> datetime.timedelta:
@@ -66,6 +67,7 @@ class State:
     bumps: Bump
     buttons: Button
     battery_mv: int
+    limits: Limit
     skipped: int = 0
     """How many ticks between the one that the reader had seen and this one it has missed."""
 
@@ -87,7 +89,7 @@ class State:
             state.y_mm, state.heading_rad, state.distance_mm, tuple(state.covariance),
             Remainder(state.remainder), bool(state.setpoint_lapsed), Hazard(state.hazards),
             Bump(state.bumps), Button(state.buttons), state.battery_mv,
-            tick - after_tick - 1 if after_tick >= 0 else 0)
+            Limit(state.limits), tick - after_tick - 1 if after_tick >= 0 else 0)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

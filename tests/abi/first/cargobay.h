@@ -89,7 +89,9 @@
  * @section stops Stops
  * A stop that nobody steered (a setpoint that lapsed, cargobay_stop(), speeds that no robot can
  * follow) slows each wheel down by 1000 mm/s^2, or by `acceleration_mm_s2` if that is more, and
- * knows no limit of jerk: from 500 mm/s it takes half a second and 125 mm at most.
+ * knows no limit of jerk: from 500 mm/s it takes half a second and 125 mm at most. If a wheel is
+ * stuck or distance and angle cannot be true, if the robot falls silent, or if the loop ends by
+ * itself, the wheels are told to stop at once.
  *
  * @section units Units
  * mm, mm/s, rad, rad/s and ns; sensor packets have the units of the manual. x points ahead, y to
@@ -169,10 +171,11 @@ enum cargobay_error {
   CARGOBAY_E_STALLED = -21, /**< the process hung, and its guard stopped the robot */
   CARGOBAY_E_GUARD = -22,   /**< the guard cannot start, or died or was suspended */
   /* try again */
-  CARGOBAY_E_FULL = -23,     /**< no room on the line for this now */
-  CARGOBAY_E_TIMEOUT = -24,  /**< the time ran out first */
-  CARGOBAY_E_NO_FRAME = -25, /**< no frame has come yet */
-  CARGOBAY_E_CANCELLED = -26 /**< `progress` gave up */
+  CARGOBAY_E_FULL = -23,      /**< no room on the line for this now */
+  CARGOBAY_E_TIMEOUT = -24,   /**< the time ran out first */
+  CARGOBAY_E_NO_FRAME = -25,  /**< no frame has come yet */
+  CARGOBAY_E_CANCELLED = -26, /**< `progress` gave up */
+  CARGOBAY_E_WHEELS = -27 /**< a wheel is stuck, or distance and angle cannot be true: its event */
 };
 
 /**
@@ -338,7 +341,11 @@ enum cargobay_flag {
   CARGOBAY_FLAG_NO_CONFIG = 1 << 6, /**< no configuration file is read */
   CARGOBAY_FLAG_NO_LEARNT = 1 << 7, /**< neither begins from what an earlier drive learnt of the
                                          wheels, nor keeps what this one does */
-  CARGOBAY_FLAG_FORGET = 1 << 8     /**< begins from nothing: the robot has other wheels now */
+  CARGOBAY_FLAG_FORGET = 1 << 8,    /**< begins from nothing: the robot has other wheels now */
+  CARGOBAY_FLAG_HOLD_HEADING = 1 << 9, /**< the heading follows what the wheels were asked for, also
+                                            across stops, whatever the configuration says */
+  CARGOBAY_FLAG_DRIVE_ON = 1 << 10 /**< if a wheel is stuck, or distance and angle cannot be true,
+                                         the loop only reports it: `stop_if_implausible = false` */
 };
 
 /** How to reach and drive a robot. 0 and NULL are the default everywhere. */
@@ -570,6 +577,25 @@ enum cargobay_overcurrent {
   CARGOBAY_OVERCURRENT_LOW_SIDE_DRIVER_2 = 1 << 4
 };
 
+/** Wheels: bits of cargobay_event.wheels. */
+enum cargobay_wheel { CARGOBAY_WHEEL_LEFT = 1 << 0, CARGOBAY_WHEEL_RIGHT = 1 << 1 };
+
+/** What holds the wheels back from the speeds asked for: bits of `limits`. */
+enum cargobay_limit {
+  CARGOBAY_LIMIT_SPEED = 1 << 0,       /**< the weaker wheel cannot reach its speed, or may not be
+                                            driven at it */
+  CARGOBAY_LIMIT_ACCELERATION = 1 << 1 /**< the speeds are on their way: acceleration, jerk */
+};
+
+/** What is wrong with a wheel or its counter. Numbers are never reused; new ones may be added. */
+enum cargobay_finding {
+  CARGOBAY_FINDING_NOTHING = 0,
+  CARGOBAY_FINDING_STILL = 1,    /**< it is driven, but counts nothing */
+  CARGOBAY_FINDING_REVERSED = 2, /**< it counts against the direction in which it is driven */
+  CARGOBAY_FINDING_FEW = 3,      /**< it counts much less than the other for its command */
+  CARGOBAY_FINDING_JUMPS = 4     /**< counts that no robot can drive, again and again */
+};
+
 /** Wheel speeds, mm/s. Never changes. */
 struct cargobay_wheels {
   double left_mm_s;  /**< of the left wheel */
@@ -608,6 +634,9 @@ struct cargobay_state {
   uint32_t bumps;     /**< bits of enum cargobay_bump, as last reported: at most 3 frames ago */
   uint32_t buttons;   /**< bits of enum cargobay_button, the same */
   int32_t battery_mv; /**< as last reported; 0: not yet */
+  uint32_t limits;    /**< bits of enum cargobay_limit that hold the wheels back from `target`, both
+                           by one factor, so that the robot keeps to its curve */
+  uint32_t reserved;  /**< 0 */
 };
 
 /**
@@ -753,8 +782,8 @@ struct cargobay_end_report {
   uint32_t size;          /**< sizeof(struct cargobay_end_report) */
   int32_t ended;          /**< 0: it has not, and everything below is 0; 1: it has */
   int32_t code;           /**< 0: as asked; else an enum cargobay_error: SILENT, UNPLUGGED, MODE,
-                               CONTROL, STALLED, GUARD, UNCONFIRMED or, if the recording could not
-                               be written, FILE */
+                               CONTROL, STALLED, GUARD, WHEELS, UNCONFIRMED or, if the recording
+                               could not be written, FILE */
   int32_t control_result; /**< what the control function returned when it ended the loop; else 0 */
   uint32_t hazards;       /**< bits of enum cargobay_hazard: the causes, if the mode was lost */
   int32_t passive_seen;   /**< 1: the robot has reported that it is Passive. Known after
@@ -862,7 +891,14 @@ enum cargobay_event_kind {
   CARGOBAY_EVENT_CONTROL_REFUSED = 13, /**< the control function asked for impossible speeds */
   CARGOBAY_EVENT_BUMP_BEGAN = 14,      /**< `bumps`: the new ones */
   CARGOBAY_EVENT_BUMP_ENDED = 15,      /**< the last of them has ended */
-  CARGOBAY_EVENT_PORT_SHARED = 16 /**< frames are missing, and `process` has the port open too */
+  CARGOBAY_EVENT_PORT_SHARED = 16, /**< frames are missing, and `process` has the port open too */
+  CARGOBAY_EVENT_WHEEL_STUCK = 17, /**< `wheels` draw too much current and do not turn: `finding`,
+                                        `overcurrents`, `wanted`, `got`. The loop ends, unless
+                                        CARGOBAY_FLAG_DRIVE_ON */
+  CARGOBAY_EVENT_COUNTERS_IMPLAUSIBLE = 18, /**< distance and angle cannot be true: the same */
+  CARGOBAY_EVENT_LIMIT_BEGAN = 19, /**< the wheels are held back: `limits`, `wanted`, `got`; by a
+                                        limit of acceleration for a second already */
+  CARGOBAY_EVENT_LIMIT_ENDED = 20  /**< not for half a second now: the same */
 };
 
 /**
@@ -887,8 +923,13 @@ struct cargobay_event {
   int32_t charge_mah;    /**< charge of the battery */
   int32_t capacity_mah;  /**< capacity of the battery; 0 with ordinary batteries */
   int32_t process;       /**< its process ID */
-  uint32_t reserved;     /**< 0 */
+  uint32_t wheels;       /**< bits of enum cargobay_wheel: those concerned */
   char process_name[16]; /**< the kernel's name for it, NUL-terminated */
+  int32_t finding;       /**< enum cargobay_finding */
+  uint32_t limits;       /**< bits of enum cargobay_limit */
+  struct cargobay_wheels wanted; /**< limits: asked for. Wheels: what one that reaches its command
+                                      would have done, forward or back */
+  struct cargobay_wheels got;    /**< limits: given. Wheels: counted, in the same direction */
 };
 
 /**

@@ -53,6 +53,9 @@ lag_s = 0.12
 acceleration_mm_s2 = 800
 jerk_mm_s3 = 4000
 remainder = "lost"
+hold_heading = true
+wheel_error = 0.01
+wheel_base_error = 0.03
 [realtime]
 priority = 70
 cpu = 3
@@ -73,12 +76,16 @@ require = true
   EXPECT_EQ(config.priority, 70);
   EXPECT_EQ(config.cpu, 3);
   EXPECT_TRUE(config.require_realtime);
+  EXPECT_TRUE(config.hold_heading);
   CycleParameters parameters;
   apply(config, parameters);
   EXPECT_EQ(parameters.loop.estimator.wheel_base_mm, 260.0);
   EXPECT_EQ(parameters.loop.estimator.likely_lag_s, 0.12);
   EXPECT_EQ(parameters.odometry.distance_scale, 1.02);
   EXPECT_EQ(parameters.odometry.turn_scale, 0.98);
+  EXPECT_EQ(parameters.odometry.wheel_error, 0.01);
+  EXPECT_EQ(parameters.odometry.base_error, 0.03);
+  EXPECT_TRUE(parameters.loop.course.hold_heading);
   EXPECT_EQ(parameters.loop.estimator.remainder, rt::Remainder::lost);
   EXPECT_EQ(parameters.loop.limits.acceleration_mm_s2, 800.0);
   EXPECT_EQ(parameters.loop.limits.jerk_mm_s3, 4000.0);
@@ -177,6 +184,7 @@ TEST(ConfigFile, SaysWhatWasProbablyMeant) {
                               {"[robot]\njerk_mm_s3 = 10", "m/s^3? did you mean 10000"},
                               {"[robot]\ndistance_scale = 102", "percent? did you mean 1.02"},
                               {"[robot]\nturn_scale = 98", "percent? did you mean 0.98"},
+                              {"[robot]\nwheel_error = 2", "percent? did you mean 0.02"},
                               {"baud = 57", "thousands? did you mean 57600"},
                               {"baud = 115.2", "thousands? did you mean 115200"}};
   for (const Row& row : rows) EXPECT_THAT(complaint(row.line), HasSubstr("; " + row.meant));
@@ -193,7 +201,9 @@ TEST(ConfigFile, KnowsTheMistakesOfEachUnit) {
         << setting.key;
     for (const Mistake& mistake : setting.mistakes) {
       // Something within the range would be out of it in that unit.
-      const double middle = std::sqrt(setting.range->least * setting.range->most);
+      const Range range = *setting.range;
+      const double middle =
+          range.least > 0.0 ? std::sqrt(range.least * range.most) : range.most / 2.0;
       EXPECT_THAT(likely_meaning(*setting.range, setting.mistakes, middle / mistake.factor),
                   HasSubstr("did you mean"))
           << setting.key;

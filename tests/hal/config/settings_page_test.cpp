@@ -138,7 +138,7 @@ TEST(SettingsPage, OfTheExampleIsNotStale) {
       kExample,
       {{"", "reported with its line.\n\n", "\n# Wires between"},
        {"robot", "#line = 23\n#active_low = false\n#bias = \"pull_down\"\n\n", "\n#[realtime]"},
-       {"realtime", "#learnt = \"none\"\n\n", ""}},
+       {"realtime", "stop_if_implausible = true\n\n", ""}},
       &in_example);
 }
 

@@ -138,7 +138,7 @@ Summary survey(sim::Remainder kind, rt::WheelLoop::Feedback feedback,
 TEST(ClosedLoop, HoldsSpeedWhereTheRemainderIsCarried) {
   const Summary closed = survey(sim::Remainder::carried, rt::WheelLoop::Feedback::closed);
   EXPECT_LE(closed.estimate_rmse, 4.0);
-  EXPECT_LE(closed.steady_error, 1.5);
+  EXPECT_LE(closed.steady_error, 2.5) << "with the turn of the start, which is being taken back";
 }
 
 // At 400 mm/s, 6.0 steps a tick, the kind stays open, and the speed is known less well.

@@ -210,16 +210,19 @@ TEST_F(CommandSenderTest, WritesNothingOnceItIsAbandoned) {
 
 TEST_F(CommandSenderTest, KnowsWhichListsMayHaveReadTheCounters) {
   using Counters = FrameRotation::Counters;
-  EXPECT_EQ(sender_.next_list(Counters::wanted, FrameList::battery), FrameList::battery);
-  EXPECT_TRUE(sender_.may_have_read(false));
+  EXPECT_EQ(sender_.next_list(Counters::wanted, rt::kBothAxes, FrameList::battery),
+            FrameList::battery);
+  EXPECT_EQ(sender_.may_have_read(false), rt::kBothAxes);
   (void)drive({0.0, 0.0}, FrameList::battery);
   for (int i = 0; i < 3; ++i) {
-    (void)sender_.next_list(Counters::wanted, FrameList::battery);
+    (void)sender_.next_list(Counters::wanted, rt::kBothAxes, FrameList::battery);
     (void)drive({0.0, 0.0}, FrameList::battery);
   }
-  EXPECT_FALSE(sender_.may_have_read(false));
-  EXPECT_TRUE(sender_.may_have_read(true)) << "what never came is missed late";
-  EXPECT_TRUE(sender_.ends_window());
+  EXPECT_FALSE(sender_.may_have_read(false).any());
+  EXPECT_EQ(sender_.may_have_read(true), rt::kBothAxes) << "what never came is missed late";
+  EXPECT_EQ(sender_.ends_window(), rt::kBothAxes);
+  (void)sender_.next_list(Counters::wanted, {.distance = true}, std::nullopt);
+  EXPECT_EQ(sender_.may_have_read(false), rt::Axes{.distance = true});
 }
 
 }  // namespace

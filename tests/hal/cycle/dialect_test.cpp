@@ -31,6 +31,9 @@ constexpr oi::FrameLists kLists = [] {
       list(oi_mode, wall_signal, cliff_left_signal, wall),
       list(oi_mode, cliff_right_signal, analog_signal, digital_inputs),
       list(oi_mode, song_number, requested_velocity, requested_radius),
+      list(oi_mode, oi::PacketId::distance, infrared_byte, voltage),
+      list(oi_mode, oi::PacketId::distance, buttons, voltage),
+      list(oi_mode, oi::PacketId::angle, wall, voltage),
   };
 }();
 

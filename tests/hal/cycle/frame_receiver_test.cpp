@@ -46,11 +46,12 @@ class FrameReceiverTest : public testing::Test {
 
 TEST_F(FrameReceiverTest, KnowsEachListByItsFrame) {
   using enum FrameList;
-  for (const FrameList list : {reading, hazards, battery, signals_left, signals_right, outputs}) {
+  for (const FrameList list : {reading, hazards, battery, signals_left, signals_right, outputs,
+                               distance, distance_buttons, angle}) {
     const auto lists = receive(frame(list));
     ASSERT_EQ(lists.size(), 1U);
     EXPECT_EQ(lists[0], list);
-    EXPECT_EQ(receiver_.any_reads(), list == reading);
+    EXPECT_EQ(receiver_.reads(), axes_of(list));
     EXPECT_TRUE(receiver_.whole());
   }
 }
@@ -67,9 +68,9 @@ TEST_F(FrameReceiverTest, HasOneEntryForEachFrame) {
   bytes.insert(bytes.end(), second.begin(), second.end());
   EXPECT_EQ(receive(bytes).size(), 2U);
   ASSERT_EQ(receiver_.readings().size(), 2U);
-  EXPECT_FALSE(receiver_.readings()[0].has_value());
-  ASSERT_TRUE(receiver_.readings()[1].has_value());
-  EXPECT_EQ(receiver_.readings()[1]->distance_mm, 257);
+  EXPECT_FALSE(receiver_.readings()[0].axes().any());
+  EXPECT_EQ(receiver_.readings()[1].axes(), rt::kBothAxes);
+  EXPECT_EQ(receiver_.readings()[1].distance_mm, 257);
   EXPECT_TRUE(receive({}).empty());
   EXPECT_TRUE(receiver_.empty()) << "of this pass";
 }

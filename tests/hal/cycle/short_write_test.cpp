@@ -49,7 +49,7 @@ Checked drive_over(VirtualDrive& drive) {
     note_drives(bytes, run.offered);
     return accept(bytes);
   };
-  run.result = drive.run(600, turns_after_5_s);
+  run.result = drive.run(900, turns_after_5_s);
   run.unknown = drive.device.counters().unknown_opcodes;
   run.refused = drive.device.counters().commands_refused;
   return run;

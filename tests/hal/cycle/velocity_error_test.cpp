@@ -120,6 +120,7 @@ class Drive {
       parameters.loop.estimator.remainder = rt::Remainder::carried;
       parameters.loop.schedule.recheck_carried_ticks = 1'000'000;
       parameters.loop.feedback = rt::WheelLoop::Feedback::open;
+      parameters.on_implausible = OnImplausible::report;  // of a kind that it is not
     }
     const auto cycle = std::make_unique<ControlCycle>(tap_, parameters);
     cycle_ = cycle.get();

@@ -43,7 +43,8 @@ RecordingHeader every_parameter() {
                                                            .gain_left = 0.91,
                                                            .gain_right = 0.93,
                                                            .lag_sd_s = 0.011,
-                                                           .gain_sd = 0.012},
+                                                           .gain_sd = 0.012,
+                                                           .gain_difference_sd = 0.013},
                                  .prior = rt::LearntPlant{.lag_s = 0.103,
                                                           .lag_sd_s = 0.013,
                                                           .dead_time_s = 0.031,
@@ -69,8 +70,14 @@ RecordingHeader every_parameter() {
                                 .probe_most_ticks = 121,
                                 .recheck_unsure_ticks = 61,
                                 .recheck_carried_ticks = 201,
-                                .recheck_lost_ticks = 1001},
+                                .recheck_lost_ticks = 1001,
+                                .turn_sd = 0.71,
+                                .idle_turn_sd = 1.01,
+                                .most_turn_sd = 4.1,
+                                .least_turn_ticks = 14,
+                                .rest_ticks = 134},
                    .limits = {.acceleration_mm_s2 = 999.0, .jerk_mm_s3 = 5000.0},
+                   .course = {.hold_heading = true, .rate_1_s = 0.31, .holding_rate_1_s = 1.1},
                    .feedback = rt::WheelLoop::Feedback::open},
           .drive_mode = oi::Mode::full,
           .late_margin = 5001us,
@@ -80,6 +87,7 @@ RecordingHeader every_parameter() {
           .control_budget = 2001us,
           .control_overruns_allowed = 9,
           .on_mode_loss = OnModeLoss::hold,
+          .on_implausible = OnImplausible::report,
           .power = {
               .low_mv = 13'201, .recovered_mv = 13'801, .low_part = 0.11, .recovered_part = 0.16}}};
 }
@@ -128,20 +136,22 @@ Bytes every_kind() {
 
 // What version 3 has for these, since its first writer.
 constexpr std::string_view kEveryKind =
-    "434252450d0a1a0a03008b010000004b00000100b49376e2fa180e00636172676f62617920312e322e330a0074"
-    "6f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcccccc"
-    "cccc00406666666666661c400201e9263108ac1cba3fb81e85eb51b89e3ffca9f1d24d62703f1f85eb51b81eed"
-    "3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f0191ed7c3f355eba3f39b4c876be9f8a3f5839b4"
-    "c876be9f3f79e9263108ac8c3f091b9e5e29cb703ffa7e6abc7493583f14ae47e17a14ee3ffca9f1d24d62903f"
-    "666666666666ee3f9cc420b07268913f0200000000000029c000000000004032400000000000307f4008ac1c5a"
-    "643baf3f3333333333332440290000000b0000000c0000000d0000000500000015000000790000003d000000c9"
-    "000000e90300000000000000388f40000000000088b3400103284f4c0000000000c013000900000000400caa3b"
-    "0000000040a7dc1d0000000068881e0000000000090000000191330000e9350000295c8fc2f528bc3f7b14ae47"
-    "e17ac43f663fc897060000000000000000000000000000000280d0acf30e1d78e9088a0000000100000000286b"
-    "ee000000000101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c00000"
-    "000000000c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff000000000000008059f3f8"
-    "c21f6ea501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f0000000000005940"
-    "00000000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
+    "434252450d0a1a0a0300da010000004b00000100b49376e2fa180e00636172676f62617920312e322e330a00"
+    "746f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcc"
+    "cccccccc00406666666666661c400201e9263108ac1cba3fb81e85eb51b89e3ffca9f1d24d62703f1f85eb51"
+    "b81eed3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f39b4c876be9f8a3f0000000000000000"
+    "0000000000000000000191ed7c3f355eba3f39b4c876be9f8a3f5839b4c876be9f3f79e9263108ac8c3f091b"
+    "9e5e29cb703ffa7e6abc7493583f14ae47e17a14ee3ffca9f1d24d62903f666666666666ee3f9cc420b07268"
+    "913f0200000000000029c000000000004032400000000000307f4008ac1c5a643baf3f333333333333244029"
+    "0000000b000000040000000c0000000d0000000500000015000000790000003d000000c9000000e9030000b8"
+    "1e85eb51b8e63f295c8fc2f528f03f66666666666610400e000000860000000000000000388f400000000000"
+    "88b34001d7a3703d0ad7d33f9a9999999999f13f0103284f4c0000000000c013000900000000400caa3b0000"
+    "000040a7dc1d0000000068881e000000000009000000010191330000e9350000295c8fc2f528bc3f7b14ae47"
+    "e17ac43f5e6b6f7e060000000000000000000000000000000280d0acf30e1d78e9088a000000010000000028"
+    "6bee000000000101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c0"
+    "0000000000000c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff0000000000000080"
+    "59f3f8c21f6ea501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f00000000"
+    "0000594000000000000069408b3162a6020000000200000000f2052a010000000606df32e96c";
 
 Bytes bytes_of(std::string_view hex) {
   Bytes bytes;
@@ -162,6 +172,7 @@ void expect_same(const CycleParameters& a, const CycleParameters& b) {
   EXPECT_EQ(a.control_budget, b.control_budget);
   EXPECT_EQ(a.control_overruns_allowed, b.control_overruns_allowed);
   EXPECT_EQ(a.on_mode_loss, b.on_mode_loss);
+  EXPECT_EQ(a.on_implausible, b.on_implausible);
   EXPECT_EQ(a.power.low_mv, b.power.low_mv);
   EXPECT_EQ(a.power.recovered_mv, b.power.recovered_mv);
   EXPECT_EQ(a.power.low_part, b.power.low_part);
@@ -176,6 +187,7 @@ void expect_same(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
   EXPECT_EQ(a.gain_right, b.gain_right);
   EXPECT_EQ(a.lag_sd_s, b.lag_sd_s);
   EXPECT_EQ(a.gain_sd, b.gain_sd);
+  EXPECT_EQ(a.gain_difference_sd, b.gain_difference_sd);
 }
 
 void expect_same(const rt::LearntPlant& a, const rt::LearntPlant& b) {
@@ -219,6 +231,14 @@ void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parame
   EXPECT_EQ(a.schedule.recheck_unsure_ticks, b.schedule.recheck_unsure_ticks);
   EXPECT_EQ(a.schedule.recheck_carried_ticks, b.schedule.recheck_carried_ticks);
   EXPECT_EQ(a.schedule.recheck_lost_ticks, b.schedule.recheck_lost_ticks);
+  EXPECT_EQ(a.schedule.turn_sd, b.schedule.turn_sd);
+  EXPECT_EQ(a.schedule.idle_turn_sd, b.schedule.idle_turn_sd);
+  EXPECT_EQ(a.schedule.most_turn_sd, b.schedule.most_turn_sd);
+  EXPECT_EQ(a.schedule.least_turn_ticks, b.schedule.least_turn_ticks);
+  EXPECT_EQ(a.schedule.rest_ticks, b.schedule.rest_ticks);
+  EXPECT_EQ(a.course.hold_heading, b.course.hold_heading);
+  EXPECT_EQ(a.course.rate_1_s, b.course.rate_1_s);
+  EXPECT_EQ(a.course.holding_rate_1_s, b.course.holding_rate_1_s);
   EXPECT_EQ(a.limits.acceleration_mm_s2, b.limits.acceleration_mm_s2);
   EXPECT_EQ(a.limits.jerk_mm_s3, b.limits.jerk_mm_s3);
   EXPECT_EQ(a.feedback, b.feedback);
@@ -297,8 +317,8 @@ TEST(RecordingFormat, RefusesWhatIsOutOfRange) {
   EXPECT_TRUE(refused({0, 0})) << "a kind";
   EXPECT_TRUE(refused({8, 0})) << "a kind";
   EXPECT_TRUE(refused({1, 3})) << "an outcome";
-  EXPECT_FALSE(refused({6, 6}));
-  EXPECT_TRUE(refused({6, 8})) << "an end";
+  EXPECT_FALSE(refused({6, 8}));
+  EXPECT_TRUE(refused({6, 9})) << "an end";
   EXPECT_FALSE(refused({3, 0xFF, 0x1F, 0})) << "the last errno";
   EXPECT_TRUE(refused({3, 0x80, 0x20, 0})) << "an errno";
   EXPECT_FALSE(refused({4, 0, 1, 1, 9}));
