@@ -119,9 +119,9 @@ class PlantBank {
 
   // What the models of a lag expected of it, but for what they will foresee by their gains.
   struct Expected {
-    std::size_t at;
-    float by_left;
-    float by_right;
+    std::size_t at = 0;
+    float by_left = 0.0F;
+    float by_right = 0.0F;
     Lags low_mm{};
     Lags high_mm{};
   };

@@ -48,7 +48,10 @@ class SlewLimiter {
   SlewLimiter ahead(const WheelSpeeds& target, double seconds, double step_s) const
       CARGOBAY_NONBLOCKING {
     SlewLimiter later{*this};
-    for (; seconds > 0.0; seconds -= step_s) later.step(target, std::min(seconds, step_s));
+    while (seconds > 0.0) {
+      later.step(target, std::min(seconds, step_s));
+      seconds -= step_s;
+    }
     return later;
   }
   const WheelSpeeds& speeds() const CARGOBAY_NONBLOCKING { return speeds_; }

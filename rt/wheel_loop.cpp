@@ -91,7 +91,7 @@ double WheelLoop::answer(const VelocityController::Wish& wish,
 double WheelLoop::reach(double target_mm_s, double gain) const CARGOBAY_NONBLOCKING {
   constexpr double kRoom = 0.985;
   return gain * std::min(kRoom * parameters_.controller.max_command_mm_s,
-                         controller_.most_mm_s(target_mm_s));
+                         VelocityController::most_mm_s(target_mm_s));
 }
 
 // Of the set speeds, one factor for both wheels. As long as a gain is not known, it may be the

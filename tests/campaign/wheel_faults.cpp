@@ -96,10 +96,10 @@ int accused(std::uint64_t first, std::uint64_t count, std::uint64_t& drives) {
 }
 
 struct Fault {
-  const char* name;
-  WheelFault left;
-  WheelFault right;
-  double within_s;
+  const char* name = "";
+  WheelFault left{};
+  WheelFault right{};
+  double within_s = 0.0;
 };
 constexpr Fault kFaults[] = {
     {"counter of a wheel dead", {.counts = 0.0}, {}, 1.0},

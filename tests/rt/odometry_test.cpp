@@ -91,6 +91,7 @@ OdometryPose driven(std::span<const WheelSpeeds> steps_mm, double left, double r
 // wheels and the base do to the pose, by differences.
 TEST(Odometry, KnowsWhatALastingErrorDoesToThePose) {
   std::vector<WheelSpeeds> steps;
+  steps.reserve(400);
   for (int i = 0; i < 400; ++i) steps.push_back(i < 250 ? WheelSpeeds{2, 3} : WheelSpeeds{-1, 2});
   constexpr double kError = 1e-4;
   Odometry odometry{{.slip_mm2_per_mm = 0.0, .wheel_error = kError, .base_error = kError}};

@@ -17,7 +17,6 @@ using campaign::any_plant;
 using campaign::drive;
 using campaign::Driven;
 using campaign::How;
-using campaign::kTickS;
 using campaign::PlantValues;
 using campaign::WheelFault;
 using Finding = WheelWatch::Finding;

@@ -94,6 +94,33 @@ hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& 
   return robot;
 }
 
+namespace {
+
+void add_realtime_options(CLI::App& command, DriveOptions& options) {
+  command.add_flag("--require-rt", options.require_rt,
+                   "Fail if SCHED_FIFO or locked memory is refused");
+  command
+      .add_option("--guard-deadline", options.guard_deadline_ms,
+                  "Milliseconds without a sign of life from the loop, after which the guard "
+                  "process stops the robot, " +
+                      hal::kGuardDeadlineMs.words())
+      ->capture_default_str();
+  command.add_flag("--no-guard", options.no_guard,
+                   "Drive without the guard process: if this program dies the wheels keep turning");
+  command.add_flag("--boost-kworkers", options.boost_kworkers,
+                   "Give the kernel threads that hand over the port's bytes a real-time priority "
+                   "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");
+  command
+      .add_option(
+          "--priority", options.priority,
+          fmt::format("SCHED_FIFO priority of the loop [{}]", rt::RealtimeRequest{}.priority))
+      ->check(CLI::Range(static_cast<int>(hal::kPriority.least),
+                         static_cast<int>(hal::kPriority.most)));
+  command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
+}
+
+}  // namespace
+
 void add_drive_options(CLI::App& command, DriveOptions& options) {
   add_port_options(command, options.connection);
   add_learnt_options(command, options.learnt);
@@ -129,26 +156,7 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_option("--record", options.record_file,
                      "Record every byte, time and state to this file, for cargobay replay and plot "
                      "(about 10 kB a second)");
-  command.add_flag("--require-rt", options.require_rt,
-                   "Fail if SCHED_FIFO or locked memory is refused");
-  command
-      .add_option("--guard-deadline", options.guard_deadline_ms,
-                  "Milliseconds without a sign of life from the loop, after which the guard "
-                  "process stops the robot, " +
-                      hal::kGuardDeadlineMs.words())
-      ->capture_default_str();
-  command.add_flag("--no-guard", options.no_guard,
-                   "Drive without the guard process: if this program dies the wheels keep turning");
-  command.add_flag("--boost-kworkers", options.boost_kworkers,
-                   "Give the kernel threads that hand over the port's bytes a real-time priority "
-                   "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");
-  command
-      .add_option(
-          "--priority", options.priority,
-          fmt::format("SCHED_FIFO priority of the loop [{}]", rt::RealtimeRequest{}.priority))
-      ->check(CLI::Range(static_cast<int>(hal::kPriority.least),
-                         static_cast<int>(hal::kPriority.most)));
-  command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
+  add_realtime_options(command, options);
   add_pin_options(command, options.pins);
   add_sim_options(command, options.sim);
   command.footer(

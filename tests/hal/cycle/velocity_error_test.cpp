@@ -21,6 +21,7 @@
 #include "hal/sim/robot/device.hpp"
 #include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
+#include "oi/stream_decoder.hpp"
 #include "rt/unchecked.hpp"
 #include "tests/hal/damaged_stream.hpp"
 #include "tests/hal/held_stream.hpp"
