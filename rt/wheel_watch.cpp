@@ -56,7 +56,7 @@ constexpr double kLeastSuspectMm = 3.0;
 constexpr double kSuddenly = 0.6;  // of what the wheel has counted so far
 
 constexpr double kJumpFadesS = 5.0;
-constexpr double kMostJumps = 2.5;
+constexpr double kMostJumps = 5.5;
 
 }  // namespace
 
