@@ -79,7 +79,7 @@ class PlantBank {
   bool steady() const CARGOBAY_NONBLOCKING;
 
   const PlantEstimate& estimate() const CARGOBAY_NONBLOCKING { return estimate_; }
-  // The same with all spreads, but nothing of the remainder or of time. Looks at every model.
+  // The same with all spreads, but nothing of the remainder or of time.
   LearntPlant learnt() const CARGOBAY_NONBLOCKING;
   // What the wheels were driven at in the last tick, before gain and lag: the command after dead
   // time and ramp, mean of the tick.

@@ -94,10 +94,11 @@ void PlantBank::mix_gains(const LearntPlant& prior, std::size_t model, double sh
 LearntPlant PlantBank::learnt() const CARGOBAY_NONBLOCKING {
   double dead_time = 0.0;
   double ramp = 0.0;
-  for (std::size_t i = 0; i < PlantModels::kCount; ++i) {
-    const auto weight = static_cast<double>(PlantModels::of(weight_, i));
-    dead_time += weight * square(grid_.dead_time_of(i) - estimate_.dead_time_s);
-    ramp += weight * square(grid_.ramp_of(i) - estimate_.ramp_s2_mm);
+  for (std::size_t drive = 0; drive < PlantModels::kDrives; ++drive) {
+    const auto weight = static_cast<double>(drive_weight_[drive]);
+    const std::size_t model = drive * PlantModels::kLags;  // the lag does not matter
+    dead_time += weight * square(grid_.dead_time_of(model) - estimate_.dead_time_s);
+    ramp += weight * square(grid_.ramp_of(model) - estimate_.ramp_s2_mm);
   }
   return {.lag_s = estimate_.lag_s,
           .lag_sd_s = estimate_.lag_sd_s,

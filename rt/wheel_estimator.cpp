@@ -192,6 +192,7 @@ WheelEstimator::Evidence WheelEstimator::read(Axis axis, int count) CARGOBAY_NON
   const bool turns = axis == Axis::turn;
   Counter& counter = turns ? turn_ : distance_;
   const int ticks = std::exchange(counter.ticks, 0);
+  const double straight_mm = std::exchange(counter.straight_mm, 0.0);
   const bool surprises = surprising(axis, count);
   const bool once = surprises && !counter.surprised;
   counter.surprised = once;
@@ -201,7 +202,6 @@ WheelEstimator::Evidence WheelEstimator::read(Axis axis, int count) CARGOBAY_NON
   }
   counter.zeros = count == 0 ? counter.zeros + 1 : 0;
   counter.blank_ticks = count == 0 ? ticks : 0;
-  const double straight_mm = std::exchange(counter.straight_mm, 0.0);
   if (turns && ticks > 1) {
     const double off_mm = bank_.estimate().gain_difference_sd * straight_mm;
     const double off_mm_s = off_mm / (ticks * parameters_.tick_s);

@@ -118,7 +118,7 @@ class WheelEstimator {
   // What is known of the wheels and their motors.
   const PlantEstimate& plant() const CARGOBAY_NONBLOCKING { return bank_.estimate(); }
   // The same with all spreads, the kind of remainder and how long the wheels have been told to
-  // move. Takes about as long as a tick.
+  // move.
   LearntPlant learnt() const CARGOBAY_NONBLOCKING;
   // By how much the wheels end up faster than that alone would make them.
   WheelSpeeds disturbances() const CARGOBAY_NONBLOCKING;

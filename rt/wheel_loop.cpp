@@ -43,7 +43,8 @@ void WheelLoop::frame(const WheelEstimator::Reading& reading) CARGOBAY_NONBLOCKI
   // The watch wants both over the same time.
   const bool both = reading.axes().both() && seen.distance_ticks == seen.turn_ticks;
   if (seen.how == How::impossible) return watch_.read_impossible();
-  if (seen.how == How::unsure || !both) return watch_.read_unseen();
+  if (seen.how == How::unsure) return watch_.read_unseen();
+  if (!both) return watch_.read_apart();
   watch_.read({.distance_mm = *reading.distance_mm,
                .angle_deg = *reading.angle_deg,
                .ticks = seen.distance_ticks},

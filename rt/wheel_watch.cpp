@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace cargobay::rt {
 namespace {
@@ -56,7 +57,8 @@ constexpr double kLeastSuspectMm = 3.0;
 constexpr double kSuddenly = 0.6;  // of what the wheel has counted so far
 
 constexpr double kJumpFadesS = 5.0;
-constexpr double kMostJumps = 5.5;
+constexpr double kMostJumps = 2.5;
+constexpr double kGoesOn = 0.45;  // of a jump, for each further reading of the same one
 
 }  // namespace
 
@@ -218,15 +220,21 @@ void WheelWatch::read_unseen() CARGOBAY_NONBLOCKING {
 
 void WheelWatch::read_impossible() CARGOBAY_NONBLOCKING {
   read_unseen();
-  jumps_ += 1.0;
+  jumps_ += std::exchange(jumped_, true) ? kGoesOn : 1.0;
   if (jumps_ > kMostJumps && evidence_.what == Finding::nothing) {
     evidence_ = {.what = Finding::jumps, .wheels = {.left = true, .right = true}};
   }
 }
 
+void WheelWatch::read_apart() CARGOBAY_NONBLOCKING {
+  read_unseen();
+  jumped_ = false;
+}
+
 // Where the remainder is carried, errors of successive readings cancel out, but for those at the
 // ends; where it is lost, each reading falls short by half a step, give or take the other half.
 void WheelWatch::read(const Reading& reading, RemainderBelief remainder) CARGOBAY_NONBLOCKING {
+  jumped_ = false;
   const bool carried = remainder == RemainderBelief::carried;
   // Tick by tick, the kinds differ by more than there is to see.
   if (!carried && reading.ticks < kWindowTicks) return read_unseen();

@@ -62,7 +62,10 @@ class WheelWatch {
   void read(const Reading& reading, RemainderBelief remainder) CARGOBAY_NONBLOCKING;
   // The counters were read, but what they said is not known.
   void read_unseen() CARGOBAY_NONBLOCKING;
-  // They were read, with all frames there, and said what no robot can drive.
+  // One of them was read, or both over different times: they are believed, but not compared.
+  void read_apart() CARGOBAY_NONBLOCKING;
+  // They were read, with all frames there, and said what no robot can drive. Readings of that kind
+  // without another between are one jump that goes on: less than three jumps.
   void read_impossible() CARGOBAY_NONBLOCKING;
 
   // The first finding; it stays.
@@ -134,6 +137,7 @@ class WheelWatch {
   std::array<std::array<double, 2>, kHistory> commands_{};
   std::size_t now_ = 0;  // the newest of them
   double jumps_ = 0.0;   // fading
+  bool jumped_ = false;  // the last reading was one
   Evidence evidence_{};
 };
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "hal/robot/calibration.hpp"
-#include "tests/campaign/number.hpp"
+#include "tests/campaign/draws.hpp"
 #include "tests/campaign/plant_drive.hpp"
 
 namespace cargobay::campaign {
@@ -163,19 +163,11 @@ bool holds(Figures& figures, double most_mm) {
 int main(int argc, char** argv) {
   namespace campaign = cargobay::campaign;
   using cargobay::rt::Remainder;
-  const std::span<char*> arguments{argv, static_cast<std::size_t>(argc)};
-  std::uint64_t values[] = {200, 1};
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
-    const auto value = campaign::number(arguments[i]);
-    if (i > 2 || !value || *value == 0) {
-      std::fprintf(stderr, "usage: calibrations [N [SEED]], both above 0\n");
-      return 2;
-    }
-    values[i - 1] = *value;
-  }
-  campaign::Figures carried = campaign::survey(Remainder::carried, values[1], values[0]);
-  campaign::Figures lost = campaign::survey(Remainder::lost, values[1], values[0]);
-  campaign::print(carried, lost, values[0]);
+  const auto draws = campaign::draws_of(argc, argv, "calibrations", 200);
+  if (!draws) return 2;
+  campaign::Figures carried = campaign::survey(Remainder::carried, draws->first, draws->count);
+  campaign::Figures lost = campaign::survey(Remainder::lost, draws->first, draws->count);
+  campaign::print(carried, lost, draws->count);
   const bool carried_holds = campaign::holds(carried, 1.5);
   const bool lost_holds = campaign::holds(lost, 2.5);
   return carried_holds && lost_holds ? 0 : 1;

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/campaign/number.hpp"
+#include "tests/campaign/draws.hpp"
 #include "tests/campaign/plant_drive.hpp"
 #include "tests/campaign/plant_figures.hpp"
 #include "tests/campaign/plant_odometry.hpp"
@@ -234,19 +234,11 @@ bool holds(Rows& rows, double steady_mm_s) {
 int main(int argc, char** argv) {
   namespace campaign = cargobay::campaign;
   using cargobay::rt::Remainder;
-  const std::span<char*> arguments{argv, static_cast<std::size_t>(argc)};
-  std::uint64_t values[] = {1000, 1};
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
-    const auto value = campaign::number(arguments[i]);
-    if (i > 2 || !value || *value == 0) {
-      std::fprintf(stderr, "usage: plants [N [SEED]], both above 0\n");
-      return 2;
-    }
-    values[i - 1] = *value;
-  }
-  campaign::Rows carried = campaign::survey(Remainder::carried, values[1], values[0]);
-  campaign::Rows lost = campaign::survey(Remainder::lost, values[1], values[0]);
-  campaign::print(carried, lost, values[0]);
+  const auto draws = campaign::draws_of(argc, argv, "plants", 1000);
+  if (!draws) return 2;
+  campaign::Rows carried = campaign::survey(Remainder::carried, draws->first, draws->count);
+  campaign::Rows lost = campaign::survey(Remainder::lost, draws->first, draws->count);
+  campaign::print(carried, lost, draws->count);
   const bool carried_holds = campaign::holds(carried, 2.5);
   const bool lost_holds = campaign::holds(lost, 5.0);
   return carried_holds && lost_holds ? 0 : 1;

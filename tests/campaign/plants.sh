@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Drives the velocity loop on random plants in virtual time and puts the table into docs/control.md.
 # usage: tests/campaign/plants.sh [N [SEED]]
-#   N     plants of each kind of remainder, 1000 by default (two minutes); seeds from SEED (1) on.
+#   N     plants of each kind of remainder, 1000 by default (four minutes); seeds from SEED (1) on.
 #         A single plant: tests/campaign/plants.sh 1 SEED
 # Builds the dev preset's program. The docs are changed only by a run of 1000.
 set -euo pipefail

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/campaign/number.hpp"
+#include "tests/campaign/draws.hpp"
 #include "tests/campaign/plant_drive.hpp"
 
 namespace cargobay::campaign {
@@ -152,19 +152,11 @@ bool holds(Compared& compared) {
 int main(int argc, char** argv) {
   namespace campaign = cargobay::campaign;
   using cargobay::rt::Remainder;
-  const std::span<char*> arguments{argv, static_cast<std::size_t>(argc)};
-  std::uint64_t values[] = {1000, 1};
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
-    const auto value = campaign::number(arguments[i]);
-    if (i > 2 || !value || *value == 0) {
-      std::fprintf(stderr, "usage: priors [N [SEED]], both above 0\n");
-      return 2;
-    }
-    values[i - 1] = *value;
-  }
-  campaign::Compared carried = campaign::survey(Remainder::carried, values[1], values[0]);
-  campaign::Compared lost = campaign::survey(Remainder::lost, values[1], values[0]);
-  campaign::print(carried, lost, values[0]);
+  const auto draws = campaign::draws_of(argc, argv, "priors", 1000);
+  if (!draws) return 2;
+  campaign::Compared carried = campaign::survey(Remainder::carried, draws->first, draws->count);
+  campaign::Compared lost = campaign::survey(Remainder::lost, draws->first, draws->count);
+  campaign::print(carried, lost, draws->count);
   const bool carried_holds = campaign::holds(carried);
   const bool lost_holds = campaign::holds(lost);
   return carried_holds && lost_holds ? 0 : 1;

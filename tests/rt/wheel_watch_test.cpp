@@ -173,15 +173,54 @@ class Watch {
 
 TEST(WheelWatch, TellsCountersThatJumpAgainAndAgain) {
   Watch watch;
-  for (int i = 0; i < 5; ++i) watch.impossible(5);
-  EXPECT_EQ(watch.it().evidence().what, Finding::nothing) << "so many may be noise";
-  watch.impossible(5);
+  for (int jump = 0; jump < 2; ++jump) {
+    watch.impossible(10);
+    watch.window(10, 30);
+  }
+  EXPECT_EQ(watch.it().evidence().what, Finding::nothing) << "two may be noise";
+  watch.impossible(10);
   EXPECT_EQ(watch.it().evidence().what, Finding::jumps);
+}
+
+// Also if only one axis is read in between, as of a robot that loses the remainder.
+TEST(WheelWatch, TellsJumpsBetweenReadingsOfOneAxis) {
+  Watch watch;
+  for (int jump = 0; jump < 3; ++jump) {
+    watch.impossible(10);
+    watch.it().read_apart();
+  }
+  EXPECT_EQ(watch.it().evidence().what, Finding::jumps);
+}
+
+TEST(WheelWatch, TellsCountersThatJumpOnceASecond) {
+  Watch watch;
+  int jumps = 0;
+  while (watch.it().evidence().what == Finding::nothing && jumps < 20) {
+    watch.impossible(10);
+    ++jumps;
+    for (int i = 0; i < 57; ++i) watch.window(1, 3);
+  }
+  EXPECT_EQ(watch.it().evidence().what, Finding::jumps);
+  EXPECT_LE(jumps, 4);
+}
+
+// Junk on the line for a moment is one; what never ends is not.
+TEST(WheelWatch, ForgivesAFewReadingsInARow) {
+  for (const int ticks : {1, 5, 12}) {
+    Watch watch;
+    for (int i = 0; i < 4; ++i) watch.impossible(ticks);
+    EXPECT_EQ(watch.it().evidence().what, Finding::nothing) << ticks;
+    for (int i = 0; i < 3; ++i) watch.impossible(ticks);
+    EXPECT_EQ(watch.it().evidence().what, Finding::jumps) << ticks;
+  }
 }
 
 TEST(WheelWatch, ForgetsAJumpInTime) {
   Watch watch;
-  for (int i = 0; i < 20; ++i) watch.impossible(400);  // one in 6 s
+  for (int i = 0; i < 20; ++i) {  // one in 6 s
+    watch.impossible(390);
+    watch.window(10, 30);
+  }
   EXPECT_EQ(watch.it().evidence().what, Finding::nothing);
 }
 

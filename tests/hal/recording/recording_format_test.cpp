@@ -24,72 +24,78 @@ using Bytes = std::vector<std::uint8_t>;
 
 // Every field with a value of its own.
 RecordingHeader every_parameter() {
-  return {
-      .baud = 19200,
-      .started_ns = 1'800'000'000'000'000'001,
-      .software = "cargobay 1.2.3",
-      .note = "to and fro",
-      .parameters = {
-          .loop = {.estimator = {.wheel_base_mm = 257.5,
-                                 .tick_s = 0.0151,
-                                 .likely_lag_s = 0.101,
-                                 .input_delay_s = 0.0026,
-                                 .speed_noise_mm_s = 2.1,
-                                 .decision_log_odds = 7.1,
-                                 .remainder = rt::Remainder::lost,
-                                 .told = rt::PlantEstimate{.lag_s = 0.102,
-                                                           .dead_time_s = 0.03,
-                                                           .ramp_s2_mm = 0.004,
-                                                           .gain_left = 0.91,
-                                                           .gain_right = 0.93,
-                                                           .lag_sd_s = 0.011,
-                                                           .gain_sd = 0.012,
-                                                           .gain_difference_sd = 0.013},
-                                 .prior = rt::LearntPlant{.lag_s = 0.103,
-                                                          .lag_sd_s = 0.013,
-                                                          .dead_time_s = 0.031,
-                                                          .dead_time_sd_s = 0.014,
-                                                          .ramp_s2_mm = 0.0041,
-                                                          .ramp_sd_s2_mm = 0.0015,
-                                                          .gain_left = 0.94,
-                                                          .gain_left_sd = 0.016,
-                                                          .gain_right = 0.95,
-                                                          .gain_right_sd = 0.017,
-                                                          .remainder = rt::RemainderBelief::lost,
-                                                          .log_odds_carried = -12.5,
-                                                          .moved_s = 18.25}},
-                   .controller = {.max_command_mm_s = 499.0,
-                                  .overshoot_share = 0.061,
-                                  .overshoot_mm_s = 10.1},
-                   .schedule = {.window_ticks = 41,
-                                .least_window_ticks = 11,
-                                .probe_window_ticks = 12,
-                                .probe_reads = 13,
-                                .probe_steady_ticks = 5,
-                                .probe_moving_ticks = 21,
-                                .probe_most_ticks = 121,
-                                .recheck_unsure_ticks = 61,
-                                .recheck_carried_ticks = 201,
-                                .recheck_lost_ticks = 1001,
-                                .turn_sd = 0.71,
-                                .idle_turn_sd = 1.01,
-                                .most_turn_sd = 4.1,
-                                .least_turn_ticks = 14,
-                                .rest_ticks = 134},
-                   .limits = {.acceleration_mm_s2 = 999.0, .jerk_mm_s3 = 5000.0},
-                   .course = {.hold_heading = true, .rate_1_s = 0.31, .holding_rate_1_s = 1.1},
-                   .feedback = rt::WheelLoop::Feedback::open},
-          .drive_mode = oi::Mode::full,
-          .late_margin = 5001us,
-          .stop_after = 151ms,
-          .link_timeout = 1001ms,
-          .setpoint_lapse = 501ms,
-          .control_budget = 2001us,
-          .control_overruns_allowed = 9,
-          .on_mode_loss = OnModeLoss::hold,
-          .on_implausible = OnImplausible::report,
-          .power = {
-              .low_mv = 13'201, .recovered_mv = 13'801, .low_part = 0.11, .recovered_part = 0.16}}};
+  return {.baud = 19200,
+          .started_ns = 1'800'000'000'000'000'001,
+          .software = "cargobay 1.2.3",
+          .note = "to and fro",
+          .parameters = {
+              .loop = {.estimator = {.wheel_base_mm = 257.5,
+                                     .tick_s = 0.0151,
+                                     .likely_lag_s = 0.101,
+                                     .input_delay_s = 0.0026,
+                                     .speed_noise_mm_s = 2.1,
+                                     .decision_log_odds = 7.1,
+                                     .remainder = rt::Remainder::lost,
+                                     .told = rt::PlantEstimate{.lag_s = 0.102,
+                                                               .dead_time_s = 0.03,
+                                                               .ramp_s2_mm = 0.004,
+                                                               .gain_left = 0.91,
+                                                               .gain_right = 0.93,
+                                                               .lag_sd_s = 0.011,
+                                                               .gain_sd = 0.012,
+                                                               .gain_difference_sd = 0.013,
+                                                               .gain_left_sd = 0.018,
+                                                               .gain_right_sd = 0.019,
+                                                               .weakened = true},
+                                     .prior = rt::LearntPlant{.lag_s = 0.103,
+                                                              .lag_sd_s = 0.013,
+                                                              .dead_time_s = 0.031,
+                                                              .dead_time_sd_s = 0.014,
+                                                              .ramp_s2_mm = 0.0041,
+                                                              .ramp_sd_s2_mm = 0.0015,
+                                                              .gain_left = 0.94,
+                                                              .gain_left_sd = 0.016,
+                                                              .gain_right = 0.95,
+                                                              .gain_right_sd = 0.017,
+                                                              .remainder =
+                                                                  rt::RemainderBelief::lost,
+                                                              .log_odds_carried = -12.5,
+                                                              .moved_s = 18.25}},
+                       .controller = {.max_command_mm_s = 499.0,
+                                      .overshoot_share = 0.061,
+                                      .overshoot_mm_s = 10.1},
+                       .schedule = {.window_ticks = 41,
+                                    .least_window_ticks = 11,
+                                    .begin_window_ticks = 7,
+                                    .probe_window_ticks = 12,
+                                    .probe_reads = 13,
+                                    .probe_steady_ticks = 5,
+                                    .probe_moving_ticks = 21,
+                                    .probe_most_ticks = 121,
+                                    .recheck_unsure_ticks = 61,
+                                    .recheck_carried_ticks = 201,
+                                    .recheck_lost_ticks = 1001,
+                                    .turn_sd = 0.71,
+                                    .idle_turn_sd = 1.01,
+                                    .most_turn_sd = 4.1,
+                                    .least_turn_ticks = 14,
+                                    .rest_ticks = 134},
+                       .limits = {.acceleration_mm_s2 = 999.0, .jerk_mm_s3 = 5000.0},
+                       .course = {.hold_heading = true, .rate_1_s = 0.31, .holding_rate_1_s = 1.1},
+                       .feedback = rt::WheelLoop::Feedback::open},
+              .drive_mode = oi::Mode::full,
+              .late_margin = 5001us,
+              .stop_after = 151ms,
+              .link_timeout = 1001ms,
+              .setpoint_lapse = 501ms,
+              .control_budget = 2001us,
+              .control_overruns_allowed = 9,
+              .on_mode_loss = OnModeLoss::hold,
+              .on_implausible = OnImplausible::report,
+              .power = {.low_mv = 13'201,
+                        .recovered_mv = 13'801,
+                        .low_part = 0.11,
+                        .recovered_part = 0.16}}};
 }
 
 CycleState every_state() {
@@ -139,15 +145,15 @@ constexpr std::string_view kEveryKind =
     "434252450d0a1a0a0300da010000004b00000100b49376e2fa180e00636172676f62617920312e322e330a00"
     "746f20616e642066726f00000000001870403f575bb1bfec8e3f4260e5d022dbb93f94f6065f984c653fcdcc"
     "cccccccc00406666666666661c400201e9263108ac1cba3fb81e85eb51b89e3ffca9f1d24d62703f1f85eb51"
-    "b81eed3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f39b4c876be9f8a3f0000000000000000"
-    "0000000000000000000191ed7c3f355eba3f39b4c876be9f8a3f5839b4c876be9f3f79e9263108ac8c3f091b"
+    "b81eed3fc3f5285c8fc2ed3fba490c022b87863ffa7e6abc7493883f39b4c876be9f8a3f3bdf4f8d976e923f"
+    "dbf97e6abc74933f010191ed7c3f355eba3f39b4c876be9f8a3f5839b4c876be9f3f79e9263108ac8c3f091b"
     "9e5e29cb703ffa7e6abc7493583f14ae47e17a14ee3ffca9f1d24d62903f666666666666ee3f9cc420b07268"
     "913f0200000000000029c000000000004032400000000000307f4008ac1c5a643baf3f333333333333244029"
-    "0000000b000000040000000c0000000d0000000500000015000000790000003d000000c9000000e9030000b8"
+    "0000000b000000070000000c0000000d0000000500000015000000790000003d000000c9000000e9030000b8"
     "1e85eb51b8e63f295c8fc2f528f03f66666666666610400e000000860000000000000000388f400000000000"
     "88b34001d7a3703d0ad7d33f9a9999999999f13f0103284f4c0000000000c013000900000000400caa3b0000"
     "000040a7dc1d0000000068881e000000000009000000010191330000e9350000295c8fc2f528bc3f7b14ae47"
-    "e17ac43f5e6b6f7e060000000000000000000000000000000280d0acf30e1d78e9088a000000010000000028"
+    "e17ac43f769039ad060000000000000000000000000000000280d0acf30e1d78e9088a000000010000000028"
     "6bee000000000101028094ebdc03030b031300ed07030501038d0402000000000000f43f00000000000006c0"
     "0000000000000c4004ac02040591006400c805ac02fdffffffffffffff090201f9ffffff0000000000000080"
     "59f3f8c21f6ea501000000000000f83f00000000000004c0000000000000f07f9a9999999999b93f00000000"
@@ -188,6 +194,9 @@ void expect_same(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
   EXPECT_EQ(a.lag_sd_s, b.lag_sd_s);
   EXPECT_EQ(a.gain_sd, b.gain_sd);
   EXPECT_EQ(a.gain_difference_sd, b.gain_difference_sd);
+  EXPECT_EQ(a.gain_left_sd, b.gain_left_sd);
+  EXPECT_EQ(a.gain_right_sd, b.gain_right_sd);
+  EXPECT_EQ(a.weakened, b.weakened);
 }
 
 void expect_same(const rt::LearntPlant& a, const rt::LearntPlant& b) {
@@ -223,6 +232,7 @@ void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parame
   EXPECT_EQ(a.controller.overshoot_mm_s, b.controller.overshoot_mm_s);
   EXPECT_EQ(a.schedule.window_ticks, b.schedule.window_ticks);
   EXPECT_EQ(a.schedule.least_window_ticks, b.schedule.least_window_ticks);
+  EXPECT_EQ(a.schedule.begin_window_ticks, b.schedule.begin_window_ticks);
   EXPECT_EQ(a.schedule.probe_window_ticks, b.schedule.probe_window_ticks);
   EXPECT_EQ(a.schedule.probe_reads, b.schedule.probe_reads);
   EXPECT_EQ(a.schedule.probe_steady_ticks, b.schedule.probe_steady_ticks);
