@@ -55,11 +55,11 @@ void WheelLoop::frame(const WheelEstimator::Reading& reading) CARGOBAY_NONBLOCKI
 // remainder is read for the watch only then.
 bool WheelLoop::suspicious() const CARGOBAY_NONBLOCKING {
   constexpr double kWeak = 0.55;
-  constexpr double kUnlike = 0.4;
+  constexpr double kMostUnlike = 0.4;
   const PlantEstimate& plant = estimator_.plant();
   const double mean = (plant.gain_left + plant.gain_right) / 2.0;
   return estimator_.surprised() || mean < kWeak ||
-         std::abs(plant.gain_left - plant.gain_right) > kUnlike * mean;
+         std::abs(plant.gain_left - plant.gain_right) > kMostUnlike * mean;
 }
 
 bool WheelLoop::suspects() const CARGOBAY_NONBLOCKING {

@@ -271,11 +271,12 @@ bool WheelWatch::still(const Wheel& wheel, const Wheel& other) CARGOBAY_NONBLOCK
 // The other wheel turns, and the motors are of one make: then this one is not only slow.
 bool WheelWatch::still_beside(const Sums& wheel, const Sums& other) CARGOBAY_NONBLOCKING {
   constexpr double kLeastMmS = 25.0;
-  constexpr double kSameS = 0.02;    // otherwise one of them has turned around
-  constexpr double kMostGain = 1.2;  // or is rolling out
+  constexpr double kSameS = 0.02;        // otherwise one of them has turned around
+  constexpr double kBeyondLikely = 1.2;  // or is rolling out
   if (wheel.likely_mm < kLeastMmS * wheel.seconds) return false;
   if (std::abs(wheel.seconds - other.seconds) > kSameS) return false;
-  if (other.slow_mm <= 0.0 || other.counted_mm > kMostGain * other.likely_mm + 1.0) return false;
+  if (other.slow_mm <= 0.0 || other.counted_mm > kBeyondLikely * other.likely_mm + 1.0)
+    return false;
   const double most_mm = wheel.most_counted_mm(kEndsMm);
   const double least_mm = other.counted_mm - kDoubt * other.doubt_mm - kEndsMm;
   const double part_mm = kStillBeside * least_mm;
