@@ -9,6 +9,7 @@ namespace {
 constexpr int kMostTurnTicks = 100'000;
 constexpr double kShowsSteps = 0.25;  // a tick: less says nothing about the kind
 constexpr double kManySteps = 30.0;
+constexpr double kSomeSteps = 6.0;      // that show whether a robot turns
 constexpr double kGatheredSteps = 1.5;  // then the direction is known, and what a reading loses
 
 bool shows(const WheelEstimator::Unread& axis) CARGOBAY_NONBLOCKING {
@@ -33,7 +34,7 @@ Axes ReadSchedule::probe(const Now& now) CARGOBAY_NONBLOCKING {
   if (phase_ == Phase::reads) return {.distance = goes || !turns, .turn = turns};
   if (in_phase_ < parameters_.probe_window_ticks) return {};
   begin(Phase::reads);
-  return {.distance = true, .turn = turns || turn_pays(now.turn)};
+  return {.distance = true, .turn = turns || turn_pays(now)};
 }
 
 bool ReadSchedule::window(int ticks) CARGOBAY_NONBLOCKING {
@@ -42,11 +43,14 @@ bool ReadSchedule::window(int ticks) CARGOBAY_NONBLOCKING {
   return true;
 }
 
-bool ReadSchedule::turn_pays(const WheelEstimator::Unread& turn) const CARGOBAY_NONBLOCKING {
+bool ReadSchedule::turn_pays(const Now& now) const CARGOBAY_NONBLOCKING {
+  const WheelEstimator::Unread& turn = now.turn;
   if (since_turn_ < parameters_.least_turn_ticks) return false;
   const double gathered = std::abs(turn.steps);
   // What is known may be wrong, and so much costs little.
   if (gathered >= kManySteps) return true;
+  if (!shows(now.distance) && gathered >= kSomeSteps && since_turn_ >= parameters_.some_turn_ticks)
+    return true;
   if (gathered >= kGatheredSteps)
     return turn.sd >= parameters_.turn_sd || since_turn_ >= parameters_.rest_ticks;
   if (turn.sd >= parameters_.most_turn_sd) return true;
@@ -78,7 +82,23 @@ Axes ReadSchedule::rest(const Now& now) CARGOBAY_NONBLOCKING {
   check_ends_ = 0;
   resting_ = std::min(resting_ + 1, parameters_.rest_ticks);
   if (now.belief != RemainderBelief::lost || resting_ == parameters_.rest_ticks) return kBothAxes;
-  return {.distance = true, .turn = turn_pays(now.turn)};
+  return {.distance = true, .turn = turn_pays(now)};
+}
+
+// First soon, for wheels that stand, as long as it takes a wheel to make two degrees beside another
+// that stands; then exactly, for those that count less than they should. What happened before is
+// read at once, to be left out of it.
+Axes ReadSchedule::doubt(const Now& now) CARGOBAY_NONBLOCKING {
+  constexpr double kDegreesMm = 9.0;  // the arc of 2 degrees
+  constexpr double kLeastMm = 0.1;
+  doubtful_ = std::min(doubtful_ + 1, 4 * parameters_.doubtful_window_ticks);
+  const int shows_ticks =
+      !now.sure ? 0 : static_cast<int>(kDegreesMm / std::max(now.driven_mm, kLeastMm));
+  const int ticks = std::clamp(std::max(doubtful_ / 4, shows_ticks), parameters_.least_window_ticks,
+                               parameters_.doubtful_window_ticks);
+  const bool due = window(ticks) || doubtful_ == 1;
+  if (due) in_phase_ = 0;
+  return {.distance = due, .turn = due};
 }
 
 Axes ReadSchedule::next_reads(const Now& now) CARGOBAY_NONBLOCKING {
@@ -92,24 +112,25 @@ Axes ReadSchedule::choose(const Now& now) CARGOBAY_NONBLOCKING {
   if (now.motion == Motion::none) return rest(now);
   resting_ = 0;
   moving_ = std::min(moving_ + 1, parameters_.probe_most_ticks);
-  if (now.motion == Motion::doubtful) {
-    const bool due = window(parameters_.least_window_ticks);
-    return {.distance = due, .turn = due};
-  }
+  if (now.motion == Motion::doubtful) return doubt(now);
+  doubtful_ = 0;
   // At some speeds the kind does not show; long windows serve both.
   if (now.belief == RemainderBelief::unknown && moving_ < parameters_.probe_most_ticks) {
     const bool probes =
         steady_ >= parameters_.probe_steady_ticks || moving_ >= parameters_.probe_moving_ticks;
     if (probes) return probe(now);
     const bool due = window(parameters_.begin_window_ticks);
-    return {.distance = due, .turn = due && (shows(now.turn) || turn_pays(now.turn))};
+    return {.distance = due, .turn = due && (shows(now.turn) || turn_pays(now))};
   }
   if (check_due(now)) return probe(now);
   if (now.belief == RemainderBelief::carried) return kBothAxes;
   // A window is half as long as the speed has been steady, within its limits.
-  return {.distance = window(
-              std::clamp(steady_ / 2, parameters_.least_window_ticks, parameters_.window_ticks)),
-          .turn = turn_pays(now.turn)};
+  const bool due =
+      window(std::clamp(steady_ / 2, parameters_.least_window_ticks, parameters_.window_ticks));
+  // Both in one frame, so that the ways of the wheels are known at that time; but while the plant is
+  // being learnt, the angle cannot wait.
+  const bool turn_may = due || moving_ < parameters_.probe_most_ticks;
+  return {.distance = due, .turn = turn_may && turn_pays(now)};
 }
 
 }  // namespace cargobay::rt

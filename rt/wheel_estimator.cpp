@@ -174,7 +174,9 @@ void WheelEstimator::step(const WheelSpeeds& command, const Reading& reading) CA
                   : believed ? Seen::How::believed
                              : Seen::How::impossible,
            .distance_ticks = distance_.ticks,
-           .turn_ticks = turn_.ticks};
+           .turn_ticks = turn_.ticks,
+           .strange = (reading.distance_mm && strange(Axis::distance, *reading.distance_mm)) ||
+                      (reading.angle_deg && strange(Axis::turn, *reading.angle_deg))};
   if (!believed) doubt_next_reading(reading.axes());
   Evidence evidence;
   if (reading.distance_mm) evidence = read(Axis::distance, *reading.distance_mm);
@@ -239,6 +241,25 @@ bool WheelEstimator::surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING
   const double off_mm = std::abs(count * step_mm - filter.unread_mm());
   return off_mm > kSd * std::sqrt(filter.unread_variance()) + kPart * std::abs(filter.unread_mm()) +
                       kSteps * step_mm;
+}
+
+// Whether it is less than that far, but as far as a wheel makes it that stands or counts half.
+bool WheelEstimator::strange(Axis axis, int count) const CARGOBAY_NONBLOCKING {
+  if (!bank_.steady() || !sure()) return false;
+  constexpr double kPart = 0.25;  // of the way of a wheel
+  constexpr double kSteps = 0.6;
+  const bool turns = axis == Axis::turn;
+  const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
+  const AxisFilter& filter = turns ? likely.turn : likely.distance;
+  const double step_mm = turns ? parameters_.wheel_base_mm * std::numbers::pi / 180.0 : 1.0;
+  const int ticks = turns ? turn_.ticks : distance_.ticks;
+  const WheelSpeeds now = speeds();
+  const double wheels = turns ? 2.0 : 1.0;
+  const double way_mm = wheels * parameters_.tick_s * ticks *
+                        (std::abs(now.left_mm_s) + std::abs(now.right_mm_s)) / 2.0;
+  const double half = count == 0 ? 0.0 : std::copysign(0.5, count);
+  return std::abs((count + half) * step_mm - filter.unread_mm()) >
+         kPart * way_mm + kSteps * step_mm + std::sqrt(filter.unread_variance());
 }
 
 // Whether a robot at full speed, and then some, could have gone this far since the last readings.

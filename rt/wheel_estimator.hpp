@@ -72,6 +72,7 @@ class WheelEstimator {
     How how = How::none;
     int distance_ticks = 0;  // since its last reading
     int turn_ticks = 0;
+    bool strange = false;  // far from what was foreseen, by a part of the way of the wheels
   };
 
   explicit WheelEstimator(const Parameters& parameters);
@@ -175,6 +176,7 @@ class WheelEstimator {
       CARGOBAY_NONBLOCKING;
   bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
   bool surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING;
+  bool strange(Axis axis, int count) const CARGOBAY_NONBLOCKING;
   void read_unseen(Axis axis) CARGOBAY_NONBLOCKING;
   void weigh(double by_counts, double by_filters) CARGOBAY_NONBLOCKING;
   void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;

@@ -9,7 +9,7 @@ namespace {
 constexpr double kMoving = 1.0;  // mm/s: a wheel asked for more counts as moving
 // Half a tick, since the set speed goes on meanwhile, and the way of a command to the robot.
 constexpr double kActsLaterTicks = 0.67;
-constexpr int kSuspectTicks = 24;
+constexpr int kSuspectTicks = 40;
 
 }  // namespace
 
@@ -39,15 +39,17 @@ void WheelLoop::frame(const WheelEstimator::Reading& reading) CARGOBAY_NONBLOCKI
   if (seen.how == How::past) return;
   watch_.step(command_, estimator_.plant());
   suspicious_ticks_ = suspicious() ? kSuspectTicks : std::max(suspicious_ticks_ - 1, 0);
-  if (!reading.axes().any()) return;
-  // The watch wants both over the same time.
-  const bool both = reading.axes().both() && seen.distance_ticks == seen.turn_ticks;
-  if (seen.how == How::impossible) return watch_.read_impossible();
-  if (seen.how == How::unsure) return watch_.read_unseen();
-  if (!both) return watch_.read_apart();
-  watch_.read({.distance_mm = *reading.distance_mm,
-               .angle_deg = *reading.angle_deg,
-               .ticks = seen.distance_ticks},
+  switch (seen.how) {
+    case How::none:
+    case How::past: return;
+    case How::unsure: return watch_.read_unseen(reading.axes());
+    case How::impossible: return watch_.read_impossible(reading.axes());
+    case How::believed: break;
+  }
+  watch_.read({.distance_mm = reading.distance_mm,
+               .angle_deg = reading.angle_deg,
+               .distance_ticks = seen.distance_ticks,
+               .turn_ticks = seen.turn_ticks},
               estimator_.belief());
 }
 
@@ -58,7 +60,7 @@ bool WheelLoop::suspicious() const CARGOBAY_NONBLOCKING {
   constexpr double kMostUnlike = 0.4;
   const PlantEstimate& plant = estimator_.plant();
   const double mean = (plant.gain_left + plant.gain_right) / 2.0;
-  return estimator_.surprised() || mean < kWeak ||
+  return estimator_.surprised() || estimator_.seen().strange || mean < kWeak ||
          std::abs(plant.gain_left - plant.gain_right) > kMostUnlike * mean;
 }
 
@@ -169,6 +171,7 @@ Axes WheelLoop::next_reads() CARGOBAY_NONBLOCKING {
   const bool changing = slew_.rates() != WheelSpeeds{};
   // A robot that still rolls must not be read tick by tick unless it carries the remainder.
   const bool rolls = !moving && !estimator_.rests();
+  const double driven_mm_s = (std::abs(command_.left_mm_s) + std::abs(command_.right_mm_s)) / 2.0;
   return schedule_.next_reads({.belief = belief(),
                                .sure = estimator_.sure(),
                                .motion = !moving && !rolls   ? Motion::none
@@ -176,7 +179,8 @@ Axes WheelLoop::next_reads() CARGOBAY_NONBLOCKING {
                                          : changing || rolls ? Motion::changing
                                                              : Motion::steady,
                                .distance = estimator_.unread_distance(),
-                               .turn = estimator_.unread_turn()});
+                               .turn = estimator_.unread_turn(),
+                               .driven_mm = parameters_.estimator.tick_s * driven_mm_s});
 }
 
 }  // namespace cargobay::rt

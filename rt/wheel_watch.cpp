@@ -24,8 +24,8 @@ constexpr std::size_t kLikely = 2;
 constexpr double kBriefS = 0.25;
 constexpr double kLastingS = 1.2;
 // What they must hold before anything is concluded.
-constexpr double kLeastBriefS = 0.20;
-constexpr double kLeastBriefMm = 6.0;  // of the least way
+constexpr double kLeastBriefS = 0.15;
+constexpr double kLeastBriefMm = 5.0;  // of the least way
 constexpr double kLeastReversedMm = 8.0;
 constexpr double kLeastLastingS = 0.75;
 constexpr double kLeastLastingMm = 40.0;  // of the likely way
@@ -42,7 +42,7 @@ constexpr double kStillBeside = 0.22;  // of the other wheel's, for its command
 constexpr double kFewer = 0.69;
 constexpr double kUnlike = 0.80;  // the same, if coarse steps act as badly as they can
 
-// What the readings at both ends may have left out, for a wheel. The half of a turn's step is
+// What the readings at both ends may have left out, for a wheel, unless each loses it. The half of a turn's step is
 // 2.25 mm, but not all of it is wrong as a rule.
 constexpr double kEndsMm = 2.0;
 constexpr double kEndsLastingMm = 2.5;
@@ -85,16 +85,21 @@ double WheelWatch::Sums::most_counted_mm(double ends_mm) const CARGOBAY_NONBLOCK
   return counted_mm + kDoubt * doubt_mm + ends_mm;
 }
 
-void WheelWatch::Sums::add(const Sums& more) CARGOBAY_NONBLOCKING {
-  counted_mm += more.counted_mm;
-  doubt_mm += more.doubt_mm;
-  least_mm += more.least_mm;
-  most_mm += more.most_mm;
-  likely_mm += more.likely_mm;
-  slow_mm += more.slow_mm;
-  step_mm += more.step_mm;
-  unlike_mm += more.unlike_mm;
-  seconds += more.seconds;
+// What happened fades evenly in the time of `more` too.
+void WheelWatch::Sums::add(const Sums& more, double fades_s) CARGOBAY_NONBLOCKING {
+  const double times = more.seconds / fades_s;
+  const double kept = std::exp(-times);
+  const double share = times > 0.0 ? (1.0 - kept) / times : 1.0;
+  fade(kept);
+  counted_mm += share * more.counted_mm;
+  doubt_mm += share * more.doubt_mm;
+  least_mm += share * more.least_mm;
+  most_mm += share * more.most_mm;
+  likely_mm += share * more.likely_mm;
+  slow_mm += share * more.slow_mm;
+  step_mm += share * more.step_mm;
+  unlike_mm += share * more.unlike_mm;
+  seconds += share * more.seconds;
 }
 
 WheelWatch::WheelWatch(const Parameters& parameters) : parameters_{parameters} {
@@ -119,6 +124,7 @@ void WheelWatch::step(const WheelSpeeds& command, const PlantEstimate& plant) CA
                       .decay = std::exp(-tick_s / lag_s),
                       .lag_s = lag_s};
   for (std::size_t which = 0; which < wheels_.size(); ++which) advance(wheels_[which], which);
+  ++ticks_;
   jumps_ *= 1.0 - std::min(1.0, tick_s / kJumpFadesS);
 }
 
@@ -157,7 +163,7 @@ void WheelWatch::advance(Wheel& wheel, std::size_t which) CARGOBAY_NONBLOCKING {
   if (std::abs(likely_mm_s) > kTurnsMmS) wheel.step_mm += kHalfStepMmS * tick_s;
 }
 
-// How far a healthy wheel has gone since the last reading, and how far it was counted.
+// How far a healthy wheel has gone since both counters were read, and how far it was counted.
 WheelWatch::Sums WheelWatch::since_reading(const Wheel& wheel, const Counted& counted,
                                            int ticks) const CARGOBAY_NONBLOCKING {
   const double sign = wheel.models[kLikely].way_mm < 0.0 ? -1.0 : 1.0;
@@ -178,7 +184,7 @@ WheelWatch::Sums WheelWatch::since_reading(const Wheel& wheel, const Counted& co
           .seconds = ticks * parameters_.tick_s};
 }
 
-// Adds the time since the last reading to the sums.
+// Adds the time since both counters were read to the sums.
 void WheelWatch::take(Wheel& wheel, const Counted& counted, int ticks) CARGOBAY_NONBLOCKING {
   wheel.suspect = false;
   if (wheel.turns_around) {  // what its counter does then is not known
@@ -193,12 +199,10 @@ void WheelWatch::take(Wheel& wheel, const Counted& counted, int ticks) CARGOBAY_
   const Sums& before = wheel.lasting;
   const bool suddenly = before.likely_mm > kLeastLastingMm &&
                         most_mm * before.likely_mm < kSuddenly * before.counted_mm * now.likely_mm;
-  wheel.brief.fade(std::exp(-now.seconds / kBriefS));
-  wheel.lasting.fade(std::exp(-now.seconds / kLastingS));
-  wheel.brief.add(now);
-  wheel.lasting.add(now);
+  wheel.brief.add(now, kBriefS);
+  wheel.lasting.add(now, kLastingS);
   if (ticks >= kWindowTicks) {
-    const bool back = now.most_counted_mm(kEndsLastingMm) < kReversed * now.least_mm;
+    const bool back = now.most_counted_mm(ends_ * kEndsLastingMm) < kReversed * now.least_mm;
     const bool lacks = most_mm < kStill * now.least_mm;
     wheel.lacking = lacks && !back ? std::min(wheel.lacking + 1, kLackingWindows) : 0;
     wheel.suspect = suddenly || lacks;
@@ -210,66 +214,88 @@ void WheelWatch::take(Wheel& wheel, const Counted& counted, int ticks) CARGOBAY_
   }
 }
 
-void WheelWatch::read_unseen() CARGOBAY_NONBLOCKING {
+// Both counters start from 0 now.
+void WheelWatch::begin() CARGOBAY_NONBLOCKING {
   for (Wheel& wheel : wheels_) {
     for (Model& model : wheel.models) model.way_mm = 0.0;
     wheel.step_mm = 0.0;
     wheel.turns_around = false;
   }
+  distance_ = {};
+  turn_ = {};
+  ticks_ = 0;
 }
 
-void WheelWatch::read_impossible() CARGOBAY_NONBLOCKING {
-  read_unseen();
+void WheelWatch::read_unseen(const Axes& axes) CARGOBAY_NONBLOCKING {
+  if (axes.both()) return begin();
+  distance_.known = distance_.known && !axes.distance;
+  turn_.known = turn_.known && !axes.turn;
+}
+
+void WheelWatch::read_impossible(const Axes& axes) CARGOBAY_NONBLOCKING {
+  read_unseen(axes);
   jumps_ += std::exchange(jumped_, true) ? kGoesOn : 1.0;
   if (jumps_ > kMostJumps && evidence_.what == Finding::nothing) {
     evidence_ = {.what = Finding::jumps, .wheels = {.left = true, .right = true}};
   }
 }
 
-void WheelWatch::read_apart() CARGOBAY_NONBLOCKING {
-  read_unseen();
-  jumped_ = false;
-}
-
 // Where the remainder is carried, errors of successive readings cancel out, but for those at the
 // ends; where it is lost, each reading falls short by half a step, give or take the other half.
-void WheelWatch::read(const Reading& reading, RemainderBelief remainder) CARGOBAY_NONBLOCKING {
-  jumped_ = false;
+void WheelWatch::Counter::add(int count, int ticks, RemainderBelief remainder, double least_doubt)
+    CARGOBAY_NONBLOCKING {
   const bool carried = remainder == RemainderBelief::carried;
   // Tick by tick, the kinds differ by more than there is to see.
-  if (!carried && reading.ticks < kWindowTicks) return read_unseen();
+  if (!carried && ticks < kWindowTicks) known = false;
   const double lost = carried ? 0.0 : remainder == RemainderBelief::lost ? 0.5 : 0.25;
-  const auto middle = [lost](int count) CARGOBAY_NONBLOCKING {
-    return count == 0 ? 0.0 : count + (count > 0 ? lost : -lost);
-  };
+  steps += count == 0 ? 0.0 : count + (count > 0 ? lost : -lost);
+  doubt += carried ? 0.0 : least_doubt;
+}
+
+void WheelWatch::read(const Reading& reading, RemainderBelief remainder) CARGOBAY_NONBLOCKING {
+  jumped_ = false;
+  ends_ = remainder == RemainderBelief::lost ? 0.0 : 1.0;
+  constexpr double kDoubtSteps = 0.3;
+  constexpr double kBlankSteps = 0.4;  // an angle of 0
+  if (reading.distance_mm)
+    distance_.add(*reading.distance_mm, reading.distance_ticks, remainder, kDoubtSteps);
+  if (reading.angle_deg) {
+    turn_.add(*reading.angle_deg, reading.turn_ticks, remainder,
+              *reading.angle_deg == 0 ? kBlankSteps : kDoubtSteps);
+  }
+  if (!reading.axes().both()) return;
+  if (distance_.known && turn_.known) compare();
+  begin();
+}
+
+void WheelWatch::compare() CARGOBAY_NONBLOCKING {
   const double half_step_mm = 0.5 * parameters_.wheel_base_mm * std::numbers::pi / 180.0;
-  const double distance_mm = middle(reading.distance_mm);
-  const double half_turn_mm = half_step_mm * middle(reading.angle_deg);
-  const double doubt_mm = carried ? 0.0 : 0.3 + half_step_mm * (reading.angle_deg == 0 ? 0.4 : 0.3);
-  take(wheels_[0], {distance_mm - half_turn_mm, doubt_mm}, reading.ticks);
-  take(wheels_[1], {distance_mm + half_turn_mm, doubt_mm}, reading.ticks);
-  read_unseen();
+  const double half_turn_mm = half_step_mm * turn_.steps;
+  const double doubt_mm = distance_.doubt + half_step_mm * turn_.doubt;
+  take(wheels_[0], {distance_.steps - half_turn_mm, doubt_mm}, ticks_);
+  take(wheels_[1], {distance_.steps + half_turn_mm, doubt_mm}, ticks_);
   judge();
 }
 
-bool WheelWatch::turns_back(const Wheel& wheel) CARGOBAY_NONBLOCKING {
-  const auto back = [](const Sums& sums, double least_mm) CARGOBAY_NONBLOCKING {
-    return sums.least_mm > least_mm && sums.most_counted_mm(kEndsMm) < kReversed * sums.least_mm;
+bool WheelWatch::turns_back(const Wheel& wheel) const CARGOBAY_NONBLOCKING {
+  const auto back = [this](const Sums& sums, double least_mm) CARGOBAY_NONBLOCKING {
+    return sums.least_mm > least_mm &&
+           sums.most_counted_mm(ends_ * kEndsMm) < kReversed * sums.least_mm;
   };
   return back(wheel.lasting, kLeastReversedMm) ||
          (wheel.brief.seconds > kLeastBriefS && back(wheel.brief, kLeastBriefMm));
 }
 
-bool WheelWatch::still(const Wheel& wheel, const Wheel& other) CARGOBAY_NONBLOCKING {
+bool WheelWatch::still(const Wheel& wheel, const Wheel& other) const CARGOBAY_NONBLOCKING {
   const Sums& sums = wheel.brief;
   if (wheel.lacking < kLackingWindows || sums.seconds < kLeastBriefS) return false;
-  const bool by_itself =
-      sums.least_mm > kLeastBriefMm && sums.most_counted_mm(kEndsMm) < kStill * sums.least_mm;
+  const bool by_itself = sums.least_mm > kLeastBriefMm &&
+                         sums.most_counted_mm(ends_ * kEndsMm) < kStill * sums.least_mm;
   return by_itself || still_beside(sums, other.brief);
 }
 
 // The other wheel turns, and the motors are of one make: then this one is not only slow.
-bool WheelWatch::still_beside(const Sums& wheel, const Sums& other) CARGOBAY_NONBLOCKING {
+bool WheelWatch::still_beside(const Sums& wheel, const Sums& other) const CARGOBAY_NONBLOCKING {
   constexpr double kLeastMmS = 25.0;
   constexpr double kSameS = 0.02;        // otherwise one of them has turned around
   constexpr double kBeyondLikely = 1.2;  // or is rolling out
@@ -277,8 +303,8 @@ bool WheelWatch::still_beside(const Sums& wheel, const Sums& other) CARGOBAY_NON
   if (std::abs(wheel.seconds - other.seconds) > kSameS) return false;
   if (other.slow_mm <= 0.0 || other.counted_mm > kBeyondLikely * other.likely_mm + 1.0)
     return false;
-  const double most_mm = wheel.most_counted_mm(kEndsMm);
-  const double least_mm = other.counted_mm - kDoubt * other.doubt_mm - kEndsMm;
+  const double most_mm = wheel.most_counted_mm(ends_ * kEndsMm);
+  const double least_mm = other.counted_mm - kDoubt * other.doubt_mm - ends_ * kEndsMm;
   const double part_mm = kStillBeside * least_mm;
   return least_mm > kLeastBriefMm && most_mm * other.likely_mm < part_mm * wheel.likely_mm &&
          most_mm * other.slow_mm < part_mm * wheel.slow_mm;
@@ -292,7 +318,7 @@ bool WheelWatch::both_still() const CARGOBAY_NONBLOCKING {
   if (std::min(left.lacking, right.lacking) < kLackingWindows) return false;
   if (std::min(left.brief.seconds, right.brief.seconds) < kLeastBriefS) return false;
   const bool turns = left.models[kLikely].speed_mm_s * right.models[kLikely].speed_mm_s < 0.0;
-  const double ends_mm = turns ? 4.5 : 2.0;
+  const double ends_mm = ends_ * (turns ? 4.5 : 2.0);
   const double least_mm = left.brief.least_mm + right.brief.least_mm;
   const double most_mm = left.brief.most_counted_mm(ends_mm) + right.brief.counted_mm;
   const auto little = [](const Sums& sums) CARGOBAY_NONBLOCKING {
@@ -304,7 +330,7 @@ bool WheelWatch::both_still() const CARGOBAY_NONBLOCKING {
 
 // Less than any unlikeness explains: of the motors, of another plant than the likely one; and less
 // than what is left if the steps of commands act against each other as well.
-bool WheelWatch::fewer(const Wheel& one, const Wheel& another) CARGOBAY_NONBLOCKING {
+bool WheelWatch::fewer(const Wheel& one, const Wheel& another) const CARGOBAY_NONBLOCKING {
   const Sums& wheel = one.lasting;
   const Sums& other = another.lasting;
   // Not while it still gets less: then it stands, or runs backwards.
@@ -313,8 +339,8 @@ bool WheelWatch::fewer(const Wheel& one, const Wheel& another) CARGOBAY_NONBLOCK
     return false;
   if (std::min(wheel.likely_mm, other.likely_mm) < kLeastLastingMm) return false;
   if (std::min(wheel.seconds, other.seconds) < kLeastLastingS) return false;
-  const double most_mm = wheel.counted_mm + wheel.doubt_mm + kEndsLastingMm;
-  const double least_mm = other.counted_mm - other.doubt_mm - kEndsLastingMm;
+  const double most_mm = wheel.counted_mm + wheel.doubt_mm + ends_ * kEndsLastingMm;
+  const double least_mm = other.counted_mm - other.doubt_mm - ends_ * kEndsLastingMm;
   const auto below = [&](double part, double wheel_mm, double other_mm) CARGOBAY_NONBLOCKING {
     return most_mm * (other.likely_mm + other_mm) < part * least_mm * (wheel.likely_mm - wheel_mm);
   };
@@ -331,8 +357,8 @@ void WheelWatch::judge() CARGOBAY_NONBLOCKING {
   if (both_still()) return find(Finding::still, {true, true}, &Wheel::brief);
   const Wheels stands{still(left, right), still(right, left)};
   if (stands.left || stands.right) {
-    const auto little = [](const Sums& sums) CARGOBAY_NONBLOCKING {
-      return sums.most_counted_mm(kEndsMm) < kLittle * sums.least_mm;
+    const auto little = [this](const Sums& sums) CARGOBAY_NONBLOCKING {
+      return sums.most_counted_mm(ends_ * kEndsMm) < kLittle * sums.least_mm;
     };
     const Wheels all{stands.left || little(left.brief), stands.right || little(right.brief)};
     return find(Finding::still, all, &Wheel::brief);

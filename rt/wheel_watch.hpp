@@ -13,7 +13,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
+#include "rt/axes.hpp"
 #include "rt/nonblocking.hpp"
 #include "rt/plant_bank.hpp"
 #include "rt/remainder.hpp"
@@ -47,11 +49,15 @@ class WheelWatch {
     double tick_s = 0.015;          // above 0
     double input_delay_s = 0.0025;  // from the tick to the arrival of the command it caused
   };
-  // Read together, after so many ticks.
+  // What a frame said of the counters that it reads, and over how many ticks.
   struct Reading {
-    int distance_mm = 0;
-    int angle_deg = 0;
-    int ticks = 1;
+    std::optional<int> distance_mm{};
+    std::optional<int> angle_deg{};
+    int distance_ticks = 1;
+    int turn_ticks = 1;
+    constexpr Axes axes() const CARGOBAY_NONBLOCKING {
+      return {.distance = distance_mm.has_value(), .turn = angle_deg.has_value()};
+    }
   };
 
   explicit WheelWatch(const Parameters& parameters);
@@ -59,14 +65,13 @@ class WheelWatch {
   // One tick of the robot, in which `command` was sent in answer to the frame before. `plant`: what
   // is known of the wheels by now.
   void step(const WheelSpeeds& command, const PlantEstimate& plant) CARGOBAY_NONBLOCKING;
+  // Counters may be read apart: each is summed until both are read in one frame.
   void read(const Reading& reading, RemainderBelief remainder) CARGOBAY_NONBLOCKING;
-  // The counters were read, but what they said is not known.
-  void read_unseen() CARGOBAY_NONBLOCKING;
-  // One of them was read, or both over different times: they are believed, but not compared.
-  void read_apart() CARGOBAY_NONBLOCKING;
+  // These were read, but what they said is not known.
+  void read_unseen(const Axes& axes) CARGOBAY_NONBLOCKING;
   // They were read, with all frames there, and said what no robot can drive. Readings of that kind
   // without another between are one jump that goes on: less than three jumps.
-  void read_impossible() CARGOBAY_NONBLOCKING;
+  void read_impossible(const Axes& axes) CARGOBAY_NONBLOCKING;
 
   // The first finding; it stays.
   const Evidence& evidence() const CARGOBAY_NONBLOCKING { return evidence_; }
@@ -87,7 +92,15 @@ class WheelWatch {
   struct Model {
     double ramped_mm_s = 0.0;
     double speed_mm_s = 0.0;
-    double way_mm = 0.0;  // since the last reading
+    double way_mm = 0.0;  // since both counters were read
+  };
+  // A counter since both were read.
+  struct Counter {
+    double steps = 0.0;
+    double doubt = 0.0;  // steps, on either side
+    bool known = true;   // all that was read of it
+    void add(int count, int ticks, RemainderBelief remainder, double least_doubt)
+        CARGOBAY_NONBLOCKING;
   };
   // Of a wheel, in the direction in which it is driven; older ones fade.
   struct Sums {
@@ -104,12 +117,12 @@ class WheelWatch {
     double unlike_mm = 0.0;
     double seconds = 0.0;
     void fade(double keep) CARGOBAY_NONBLOCKING;
-    void add(const Sums& more) CARGOBAY_NONBLOCKING;
+    void add(const Sums& more, double fades_s) CARGOBAY_NONBLOCKING;
     double most_counted_mm(double ends_mm) const CARGOBAY_NONBLOCKING;
   };
   struct Wheel {
     std::array<Model, kPlants> models{};
-    double step_mm = 0.0;       // since the last reading, as in Sums
+    double step_mm = 0.0;       // since both counters were read, as in Sums
     bool turns_around = false;  // the same
     bool suspect = false;       // the last reading lacks more than it should
     int lacking = 0;            // windows in a row with next to nothing of what they must have
@@ -123,17 +136,23 @@ class WheelWatch {
   Sums since_reading(const Wheel& wheel, const Counted& counted, int ticks) const
       CARGOBAY_NONBLOCKING;
   void take(Wheel& wheel, const Counted& counted, int ticks) CARGOBAY_NONBLOCKING;
-  static bool turns_back(const Wheel& wheel) CARGOBAY_NONBLOCKING;
-  static bool still(const Wheel& wheel, const Wheel& other) CARGOBAY_NONBLOCKING;
-  static bool still_beside(const Sums& wheel, const Sums& other) CARGOBAY_NONBLOCKING;
+  bool turns_back(const Wheel& wheel) const CARGOBAY_NONBLOCKING;
+  bool still(const Wheel& wheel, const Wheel& other) const CARGOBAY_NONBLOCKING;
+  bool still_beside(const Sums& wheel, const Sums& other) const CARGOBAY_NONBLOCKING;
   bool both_still() const CARGOBAY_NONBLOCKING;
-  static bool fewer(const Wheel& one, const Wheel& another) CARGOBAY_NONBLOCKING;
+  bool fewer(const Wheel& one, const Wheel& another) const CARGOBAY_NONBLOCKING;
+  void begin() CARGOBAY_NONBLOCKING;
+  void compare() CARGOBAY_NONBLOCKING;
   void judge() CARGOBAY_NONBLOCKING;
   void find(Finding what, Wheels wheels, Sums Wheel::* sums) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   std::array<Plant, kPlants> plants_{};
   std::array<Wheel, 2> wheels_{};
+  Counter distance_{};
+  Counter turn_{};
+  int ticks_ = 0;      // since both were read
+  double ends_ = 1.0;  // 0: readings leave nothing for the next one
   std::array<std::array<double, 2>, kHistory> commands_{};
   std::size_t now_ = 0;  // the newest of them
   double jumps_ = 0.0;   // fading

@@ -142,7 +142,7 @@ Times times_of(const Fault& fault, double speed, double breaks_at_s, std::uint64
 
 // The share told late is judged for faults while driving at 180 mm/s, of both kinds together.
 bool print_faults(std::uint64_t first, std::uint64_t count) {
-  constexpr double kMostLate = 0.06;
+  constexpr double kMostLate = 0.02;
   constexpr double kPromised = 180.0;
   bool holds = true;
   std::printf(

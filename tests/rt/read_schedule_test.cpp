@@ -183,9 +183,45 @@ ReadSchedule::Now losing(double steps, double sd, int blank_ticks = 0) {
 TEST(ReadSchedule, ReadsTheAngleOfARobotThatLosesItOnlyWhenThatTells) {
   ReadSchedule schedule{{}};
   EXPECT_EQ(counters(schedule, 600, losing(0.0, 0.9)), repeated(".....D", 100)) << "near nothing";
-  EXPECT_EQ(counters(schedule, 18, losing(3.0, 0.6)), "A....D.....D.....D") << "after so long";
-  EXPECT_EQ(counters(schedule, 12, losing(3.0, 1.0)), "A....D.....R") << "and then not at once:";
-  EXPECT_EQ(counters(schedule, 24, losing(-3.0, 1.0)), ".....D....AD.....D...A.D");
+  EXPECT_EQ(counters(schedule, 18, losing(3.0, 0.6)), ".....R.....D.....D") << "after so long";
+  EXPECT_EQ(counters(schedule, 24, losing(3.0, 1.0)), ".....R.....D.....R.....D")
+      << "and then not at once";
+}
+
+// Later, with the distance: then it is known how far each wheel has gone.
+TEST(ReadSchedule, ReadsTheAngleAtAnyTimeInTheFirstSeconds) {
+  ReadSchedule schedule{{}};
+  EXPECT_EQ(counters(schedule, 24, losing(3.0, 1.0)), ".....D....AD.....D...A.D");
+}
+
+// On the spot, where no distance shows that it stands.
+TEST(ReadSchedule, ReadsTheAngleOfARobotThatTurnsNowAndThen) {
+  ReadSchedule schedule{{}};
+  ReadSchedule::Now turns = losing(8.0, 0.1);
+  (void)counters(schedule, 300, turns);
+  const auto angles = [&] {
+    const std::string picture = counters(schedule, 300, turns);
+    return std::ranges::count_if(picture, [](char tick) { return tick == 'A' || tick == 'R'; });
+  };
+  EXPECT_LE(angles(), 3);
+  turns.distance.steps_a_tick = 0.0;
+  EXPECT_EQ(angles(), 10);
+}
+
+// Both, the first of them at once; then in windows that grow, at a low speed from the first one on.
+TEST(ReadSchedule, ReadsWindowsOfBothWhileCountersAreInDoubt) {
+  ReadSchedule::Now doubtful = losing(0.0, 0.1);
+  doubtful.motion = Motion::doubtful;
+  doubtful.driven_mm = 3.0;
+  ReadSchedule schedule{{}};
+  EXPECT_EQ(counters(schedule, 25, doubtful), "R" + repeated(".....R", 4));
+  (void)counters(schedule, 100, doubtful);
+  EXPECT_EQ(
+      counters(schedule, 240, doubtful).find("R" + std::string(23, '.') + "R") != std::string::npos,
+      true);
+  ReadSchedule slow{{}};
+  doubtful.driven_mm = 0.75;
+  EXPECT_EQ(counters(slow, 25, doubtful), "R" + repeated(std::string(11, '.') + "R", 2));
 }
 
 TEST(ReadSchedule, WaitsTwiceAsLongForAnAngleThatWasNothing) {
@@ -194,9 +230,9 @@ TEST(ReadSchedule, WaitsTwiceAsLongForAnAngleThatWasNothing) {
     return std::ranges::count_if(picture, [](char tick) { return tick == 'A' || tick == 'R'; });
   };
   EXPECT_EQ(angles(counters(schedule, 200, losing(0.0, 2.0, 100))), 0);
-  EXPECT_EQ(angles(counters(schedule, 2, losing(0.0, 2.0, 100))), 1);
+  EXPECT_EQ(angles(counters(schedule, 6, losing(0.0, 2.0, 100))), 1);
   (void)counters(schedule, 20, losing(0.0, 2.0, 100));
-  EXPECT_EQ(angles(counters(schedule, 1, losing(0.0, 5.0, 100))), 1) << "so much cannot wait";
+  EXPECT_EQ(angles(counters(schedule, 6, losing(0.0, 5.0, 100))), 1) << "so much cannot wait";
 }
 
 // At a stop, what is left of a step belongs to the next motion.
