@@ -1,5 +1,6 @@
 // The command `cargobay`.
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <sstream>
@@ -22,7 +23,8 @@ namespace cli = cargobay::cli;
 int after_output(int code) {
   (void)std::fflush(stdout);  // never fails; output_error() reports the result
   const std::error_code error = cli::output_error();
-  if (!error || code != cli::kSuccess) return code;
+  const bool ended_by_it = code == cli::kSignalled + SIGPIPE;
+  if (!error || (code != cli::kSuccess && !ended_by_it)) return code;
   cli::print_error("cannot write to standard output: " + error.message());
   return cli::kFailure;
 }

@@ -52,6 +52,13 @@ Ends make_terminal() {
   return {.ours = master, .theirs = slave};
 }
 
+Ends make_output(Command::Setup::Output output) {
+  using Output = Command::Setup::Output;
+  if (output == Output::terminal) return make_terminal();
+  if (output == Output::full) return {.theirs = open("/dev/full", O_WRONLY | O_CLOEXEC)};
+  return make_pipe();
+}
+
 // Between fork and exec: nothing here allocates or locks.
 bool give_up_rights() {
   const rlimit none{.rlim_cur = 0, .rlim_max = 0};
@@ -107,7 +114,7 @@ Command::Command(std::vector<std::string> arguments, const Setup& setup)
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   const int binary = open(CARGOBAY_BINARY_DIR "/cargobay", O_PATH | O_CLOEXEC);
-  const Ends out = setup.output == Setup::Output::terminal ? make_terminal() : make_pipe();
+  const Ends out = make_output(setup.output);
   if (unread_) {
     const int bytes = fcntl(out.ours, F_SETPIPE_SZ, 1);  // the kernel makes it a page
     const std::string full(static_cast<std::size_t>(std::max(bytes, 0)), '\n');

@@ -15,8 +15,8 @@ class Command {
  public:
   struct Setup {
     // pipe: standard output is not a terminal. terminal: it is one, and the command its session.
-    // unread: a full pipe that nothing reads.
-    enum class Output : std::uint8_t { pipe, terminal, unread } output = Output::pipe;
+    // unread: a full pipe that nothing reads. full: a device that takes nothing, /dev/full.
+    enum class Output : std::uint8_t { pipe, terminal, unread, full } output = Output::pipe;
     // nobody: without any right beyond those of an ordinary user, real-time ones included. If the
     // tests do not run as root, the same user without them.
     enum class User : std::uint8_t { same, nobody } user = User::same;
@@ -37,6 +37,8 @@ class Command {
   void send(int signal) const;
   void type(std::string_view keys) const;  // on its terminal
   void close_terminal();
+  // Whoever reads its standard output stops reading.
+  void close_output() { close_terminal(); }
   // Also collects what it has printed.
   bool running();
   // Waits for its end: its exit code, -N if signal N killed it, or kHangs.

@@ -54,8 +54,13 @@ int write_all(int descriptor, const char* bytes, std::size_t size) {
 // Claims that everything was written, whatever happened: fmt would throw otherwise.
 ssize_t write_some(void* cookie, const char* bytes, std::size_t size) {
   auto& stream = *static_cast<Stream*>(cookie);
-  if (stream.error.load(std::memory_order_relaxed) == 0)
-    stream.error.store(write_all(stream.descriptor, bytes, size), std::memory_order_relaxed);
+  if (stream.error.load(std::memory_order_relaxed) != 0) return static_cast<ssize_t>(size);
+  const int error = write_all(stream.descriptor, bytes, size);
+  if (error == 0) return static_cast<ssize_t>(size);
+  stream.error.store(error, std::memory_order_relaxed);
+  // A terminal that goes away sends SIGHUP.
+  const bool ends = error != ECANCELED && stream.descriptor == STDOUT_FILENO;
+  if (ends && isatty(STDOUT_FILENO) != 1) StopSignals::output_failed();
   return static_cast<ssize_t>(size);
 }
 
@@ -81,9 +86,16 @@ bool open_standard_descriptors() {
 }
 
 void rely_on_standard_streams() {
-  (void)std::signal(SIGXFSZ, SIG_IGN);  // too large a file becomes an error; cannot fail
+  // Too large a file and a reader that is gone become errors; this cannot fail.
+  (void)std::signal(SIGXFSZ, SIG_IGN);
+  (void)std::signal(SIGPIPE, SIG_IGN);
   rely_on(stdout, output(), isatty(STDOUT_FILENO) == 1 ? _IOLBF : _IOFBF);
   rely_on(stderr, error_output(), _IONBF);
+}
+
+void note_output_is_gone() {
+  int none = 0;
+  output().error.compare_exchange_strong(none, EPIPE, std::memory_order_relaxed);
 }
 
 std::error_code output_error() {

@@ -1,0 +1,130 @@
+// Commands whose output nothing reads any more, or cannot be written: they end, say so with exit
+// status 1, and leave port and robot free.
+
+#include "drive_fixture.hpp"
+
+namespace cargobay::test {
+namespace {
+
+struct Endless {
+  const char* name;
+  std::vector<std::string> arguments;
+  bool takes_port = true;
+  const char* says = "cannot write to standard output: Broken pipe";
+};
+
+std::ostream& operator<<(std::ostream& out, const Endless& endless) { return out << endless.name; }
+
+class GoneOutputTest : public DriveTest, public testing::WithParamInterface<Endless> {
+ protected:
+  std::vector<std::string> words() const {
+    std::vector<std::string> words = GetParam().arguments;
+    if (GetParam().takes_port) words.insert(words.begin() + 1, {"--port", port_});
+    return words;
+  }
+  // Another command gets the port.
+  void expect_free_port() const {
+    Command next{{"sensors", "--once", "--port", port_}};
+    EXPECT_EQ(next.exit_code(), 0) << next.err();
+  }
+};
+
+// As in `cargobay ... | head -1`: what has nothing to print notices too.
+TEST_P(GoneOutputTest, EndsTheCommand) {
+  Command command{words()};
+  if (GetParam().takes_port) {
+    ASSERT_TRUE(eventually([this] { return server_->snapshot().device.bytes_received > 0; }));
+  }
+  command.close_output();
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), testing::HasSubstr(GetParam().says));
+  EXPECT_TRUE(stands_still());
+  expect_free_port();
+}
+
+// Each would run for an hour or for ever.
+const Endless kEndless[]{
+    {"Drive", {"drive", "--duration", "3600"}},
+    {"DriveToItsJson", {"drive", "--duration", "3600", "--json", "-"}},
+    {"Sensors", {"sensors", "--json"}},
+    {"SendThatListens", {"send", "--listen", "3600", "start; stream distance"}},
+    {"SendThatHoldsTheWheels", {"send", "start; safe; drive 100 straight"}},
+    {"JitterOfTheRobot", {"jitter", "--channels", "robot", "--duration", "3600"}},
+    {"Jitter", {"jitter", "--channels", "sleep", "--duration", "3600"}, false},
+    {"Calibrate", {"calibrate"}, false},
+    {"Sim", {"sim"}, false},
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, GoneOutputTest, testing::ValuesIn(kEndless),
+                         [](const auto& tested) { return std::string{tested.param.name}; });
+
+TEST(GoneOutput, IsNotThatOfAReaderThatHasReadAll) {
+  Command command{{"encode", "safe"}};
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  EXPECT_EQ(command.out(), "83\n");
+}
+
+class FullOutputTest : public DriveTest {
+ protected:
+  static constexpr Setup kFull{.output = Setup::Output::full};
+  static constexpr const char* kSays = "cannot write to standard output: No space left on device";
+};
+
+TEST_F(FullOutputTest, IsAnErrorOfEachCommandThatNeedsNoRobot) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.path("a.rec");
+  Command drive{{"drive", "--virtual", "--duration", "0.3", "--record", recording, "--json",
+                 folder.path("a.json")}};
+  ASSERT_EQ(drive.exit_code(), 0) << drive.err();
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"--help"},
+           {"--version"},
+           {"ports"},
+           {"pins"},
+           {"doctor"},
+           {"budget"},
+           {"encode", "safe"},
+           {"encode", "--binary", "safe"},
+           {"decode", "83"},
+           {"replay", recording},
+           {"plot", recording, "-o", "-"},
+           {"sim"},
+           {"jitter", "--channels", "sleep", "--duration", "1"}}) {
+    Command command{words, kFull};
+    EXPECT_EQ(command.exit_code(), 1) << words[0];
+    // doctor may have another reason to exit with 1.
+    if (words[0] != "doctor") {
+      EXPECT_THAT(command.err(), testing::HasSubstr(kSays)) << words[0];
+    }
+  }
+}
+
+TEST_F(FullOutputTest, IsAnErrorOfEachCommandWithARobot) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"drive", "--duration", "0.3", "--port"},
+           {"bringup", "--port"},
+           {"sensors", "--once", "--port"},
+           {"sensors", "--json", "--port"},
+           {"send", "start; sensors oi_mode", "--port"},
+           {"send", "--listen", "3600", "start; stream distance", "--port"}}) {
+    std::vector<std::string> with_port = words;
+    with_port.push_back(port_);
+    Command command{with_port, kFull};
+    EXPECT_EQ(command.exit_code(), 1) << words[0];
+    EXPECT_THAT(command.err(), testing::HasSubstr(kSays)) << words[0];
+    EXPECT_TRUE(stands_still()) << words[0];
+  }
+}
+
+TEST_F(FullOutputTest, IsAnErrorOfTheHelpOfEachSubcommand) {
+  for (const char* const name :
+       {"drive", "replay", "plot", "calibrate", "bringup", "ports", "pins", "doctor", "jitter",
+        "sim", "sensors", "budget", "send", "encode", "decode"}) {
+    Command command{{name, "--help"}, kFull};
+    EXPECT_EQ(command.exit_code(), 1) << name;
+    EXPECT_THAT(command.err(), OneErrorLine(kSays)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace cargobay::test
