@@ -42,9 +42,11 @@ void add_encode(CLI::App& app, Action& chosen) {
   auto binary = std::make_shared<bool>(false);
   CLI::App* command =
       app.add_subcommand("encode", "Print the bytes of Open Interface commands, in hexadecimal.");
-  take_operands(*command, "TEXT...",
-                "the manual's command names in lower case with underscores, arguments left before "
-                "right,\ncommands separated by ';'. Without TEXT, or with '-': standard input.");
+  take_operands(
+      *command, "TEXT...",
+      "the manual's command names in lower case with underscores, arguments left before "
+      "right,\ncommands separated by ';'. `stop` is drive_direct 0 0. Without TEXT, or with '-': "
+      "standard input.");
   command->add_flag("--binary", *binary, "Write the raw bytes instead");
   command->footer(
       "Examples:\n"

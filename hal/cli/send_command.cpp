@@ -323,8 +323,10 @@ void add_send(CLI::App& app, Action& chosen) {
       "Send Open Interface commands to a robot and print what it answers: sensor values, stored\n"
       "script, stream frames, text. If they start the wheels it stays until Ctrl-C, then stops "
       "them.");
-  take_operands(*command, "TEXT...",
-                "commands as for `cargobay encode`. Without TEXT, or with '-': standard input.");
+  take_operands(
+      *command, "TEXT...",
+      "commands as for `cargobay encode`; `stop` stops the wheels (drive_direct 0 0). Without "
+      "TEXT, or\nwith '-': standard input.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--listen", options->listen_s,

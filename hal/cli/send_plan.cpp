@@ -106,6 +106,12 @@ std::optional<std::string> objection(const std::vector<PlannedCommand>& commands
           "stopped; write: script {{ ... {} ... }}; play_script",
           command.info->key, command.info->key);
     }
+    if (known && robot.mode() == oi::Mode::passive && turns_wheels(command) == false) {
+      return fmt::format(
+          "the robot is in passive mode and would ignore {}, a stop of the wheels: nothing but a "
+          "demo moves it now, and this ends one: demo abort",
+          command.info->key);
+    }
     if (known && !command.info->available_in(robot.mode())) {
       return fmt::format("the robot is in {} mode and would ignore {}; put 'safe;' before it",
                          oi::name(robot.mode()), command.info->key);

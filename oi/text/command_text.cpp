@@ -11,6 +11,7 @@
 #include "oi/text/song.hpp"
 #include "oi/text/text_number.hpp"
 #include "oi/text/text_slice.hpp"
+#include "oi/text/word_advice.hpp"
 
 namespace cargobay::oi {
 namespace {
@@ -56,9 +57,10 @@ class Encoder {
                        .limit = limit};
     return false;
   }
-  bool fail_with_hint(const TextError& error, std::string_view hint) {
+  bool fail_with(const TextError& error, std::string_view advice, std::string_view hint) {
     error_ = error;
-    error_->hint = hint;
+    error_->advice = advice;
+    if (advice.empty()) error_->hint = hint;
     return false;
   }
 
@@ -90,23 +92,44 @@ class Encoder {
   bool command(const Token& key, const CommandInfo* around) {
     if (key.text == kRawBytesKey)
       return around == nullptr ? fail(Code::bytes_outside, key) : raw_bytes();
+    if (key.text == kStopKey) return stop(key);
     const CommandInfo* info = kCreate.find_command(key.text);
     if (info == nullptr) return unknown(key);
     const bool whole =
         info->tail == Tail::script_bytes
             ? (around == nullptr ? script(key, *info) : fail(Code::nested_script, key, info))
             : plain(key, *info);
-    if (!whole) return false;
-    if (word_.kind == Token::Kind::word) return fail(Code::extra_argument, word_, info);
-    return word_.kind != Token::Kind::open || fail(Code::stray_brace, word_, info);
+    return whole && is_complete(*info);
+  }
+
+  // Nothing follows its arguments.
+  bool is_complete(const CommandInfo& info) {
+    if (word_.kind == Token::Kind::word) return fail(Code::extra_argument, word_, &info);
+    return word_.kind != Token::Kind::open || fail(Code::stray_brace, word_, &info);
+  }
+
+  bool stop(const Token& key) {
+    constexpr std::array<std::uint8_t, 5> kBytes{DriveDirect::kOpcode};  // and both speeds 0
+    for (const std::uint8_t byte : kBytes) {
+      if (!put(byte, key)) return false;
+    }
+    if (word_.kind == Token::Kind::word) return fail(Code::extra_argument, word_);
+    return word_.kind != Token::Kind::open || fail(Code::stray_brace, word_);
   }
 
   bool unknown(const Token& key) {
     NearestName nearest{key.text};
-    for (const CommandInfo& info : kCommands) nearest.consider(info.key);
-    return fail_with_hint(
+    nearest.consider(kStopKey);
+    for (const CommandInfo& info : kCommands) {
+      if (may_turn_wheels(info)) {
+        nearest.consider_misspelt(info.key);
+      } else {
+        nearest.consider(info.key);
+      }
+    }
+    return fail_with(
         {.code = Code::unknown_command, .position = key.position, .length = key.text.size()},
-        nearest.name());
+        command_advice(key.text), nearest.name());
   }
 
   bool plain(const Token& key, const CommandInfo& info) {
@@ -209,16 +232,23 @@ class Encoder {
 
   bool bad_value(const CommandInfo& info, const ArgumentInfo& argument, const Token& word) {
     NearestName nearest{word.text};
+    const bool moves = argument.name == "demo" || argument.name == "radius";
     // A rate is digits: none of them resembles a word.
     if (argument.name != "code") {
-      for (const ValueName& name : value_names(argument)) nearest.consider(name.name);
+      for (const ValueName& name : value_names(argument)) {
+        if (moves) {
+          nearest.consider_misspelt(name.name);
+        } else {
+          nearest.consider(name.name);
+        }
+      }
     }
-    return fail_with_hint({.code = Code::bad_value,
-                           .position = word.position,
-                           .length = word.text.size(),
-                           .command = &info,
-                           .argument = &argument},
-                          nearest.name());
+    return fail_with({.code = Code::bad_value,
+                      .position = word.position,
+                      .length = word.text.size(),
+                      .command = &info,
+                      .argument = &argument},
+                     value_advice(argument, word.text), nearest.name());
   }
 
   bool script(const Token& key, const CommandInfo& info) {

@@ -7,6 +7,7 @@
 //   leds play,advance 0 128   bits by name with commas between, `none`, or their sum
 //   baud 57600                the rate; a number below 12 is a code
 //   script { drive 300 straight; wait_distance 400; drive 0 0 }
+//   stop                      drive_direct 0 0: the one command that is not of the manual
 //
 // Commands are separated by `;` or the end of a line; `#` begins a comment. Numbers are decimal or
 // hexadecimal (0x1f); in hexadecimal a negative one is its two's complement, as the manual writes
@@ -49,6 +50,7 @@ struct TextError {
   const CommandInfo* command = nullptr;    // whose argument it is
   const ArgumentInfo* argument = nullptr;  // with its range and unit
   std::string_view hint{};                 // a name that was probably meant
+  std::string_view advice{};               // or what to do here instead of what the word asks for
   std::size_t limit = 0;
 };
 
@@ -56,6 +58,9 @@ struct TextResult {
   std::size_t bytes = 0;  // written to `out`; 0 after an error
   std::optional<TextError> error{};
 };
+
+// Room for the bytes of any text of so many characters.
+constexpr std::size_t most_bytes(std::size_t characters) { return characters + 1; }
 
 // Text to bytes. A text without any command gives none, and no error. After an error the contents
 // of `out` are useless.

@@ -61,6 +61,10 @@ void write_about_argument(TextWriter& out, const TextError& error, std::string_v
                                             : " is neither a number nor a name it knows");
       break;
   }
+  if (!error.advice.empty()) {
+    out.put("; ");
+    return out.put(error.advice);
+  }
   if (!error.hint.empty()) {
     out.put("; did you mean '");
     out.put(error.hint);
@@ -76,7 +80,9 @@ void write_about_argument(TextWriter& out, const TextError& error, std::string_v
 
 void write_extra(TextWriter& out, const TextError& error, std::string_view word) {
   write_word(out, word);
-  if (error.command->tail == Tail::script_bytes) {
+  if (error.command == nullptr) {
+    out.put(" is too much: stop takes no arguments");
+  } else if (error.command->tail == Tail::script_bytes) {
     out.put(" follows the script");
   } else {
     out.put(" is too much: it takes ");
@@ -95,6 +101,10 @@ void write_limit(TextWriter& out, std::string_view before, const TextError& erro
 void write_unknown(TextWriter& out, const TextError& error, std::string_view word) {
   write_word(out, word);
   out.put(" is not a command");
+  if (!error.advice.empty()) {
+    out.put("; ");
+    return out.put(error.advice);
+  }
   if (error.hint.empty()) return;
   out.put("; did you mean '");
   out.put(error.hint);

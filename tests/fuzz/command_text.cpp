@@ -32,7 +32,7 @@ void check_command(std::span<const std::uint8_t> command) {
 }
 
 void check_text(std::string_view text) {
-  std::vector<std::uint8_t> bytes(text.size());
+  std::vector<std::uint8_t> bytes(oi::most_bytes(text.size()));
   const oi::TextResult result = oi::encode_text(text, bytes);
   if (result.error) {
     require(result.error->code != oi::TextError::Code::output_full);
