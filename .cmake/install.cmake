@@ -75,6 +75,10 @@ if(TARGET cargobay)
   endforeach()
   install(FILES docs/completion/cargobay
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions COMPONENT command)
+  install(FILES docs/completion/_cargobay
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/vendor-completions COMPONENT command)
+  install(FILES docs/completion/cargobay.fish
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/fish/vendor_completions.d COMPONENT command)
   # The same on every architecture, so not in CMAKE_INSTALL_LIBDIR.
   install(FILES examples/system/60-cargobay.rules DESTINATION lib/udev/rules.d COMPONENT command)
   install(FILES examples/system/cargobay@.service DESTINATION lib/systemd/system

@@ -1,11 +1,15 @@
 // The command `cargobay`.
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -14,6 +18,8 @@
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/standard_streams.hpp"
+#include "hal/cli/words/completion.hpp"
+#include "hal/cli/words/usage.hpp"
 
 namespace {
 
@@ -29,16 +35,12 @@ int after_output(int code) {
   return cli::kFailure;
 }
 
-int run(int argc, char** argv) {
-  CLI::App app{
-      "Cargobay: real-time control of the iRobot Create, and a virtual Create to try it on.",
-      "cargobay"};
+void add_commands(CLI::App& app, cli::Action& chosen) {
   app.set_version_flag("--version", "cargobay " CARGOBAY_VERSION);
   app.require_subcommand(1);
   app.footer(
       "`cargobay COMMAND --help` explains each command. Without a robot, start with: cargobay "
       "drive");
-  cli::Action chosen;
   cli::add_drive(app, chosen);
   cli::add_replay(app, chosen);
   cli::add_plot(app, chosen);
@@ -54,17 +56,42 @@ int run(int argc, char** argv) {
   cli::add_send(app, chosen);
   cli::add_encode(app, chosen);
   cli::add_decode(app, chosen);
+}
+
+int usage_error(const std::string& message) {
+  cli::print_error(message);
+  return cli::kUsageError;
+}
+
+// `words` are those after the program's name.
+int run(std::vector<const char*> words) {
+  CLI::App app{
+      "Cargobay: real-time control of the iRobot Create, and a virtual Create to try it on.",
+      "cargobay"};
+  cli::Action chosen;
+  add_commands(app, chosen);
+  if (!words.empty() && std::string_view{words.front()} == cli::kCompleteWord) {
+    fmt::print("{}", cli::completions(app, std::span{words}.subspan(1)));
+    return after_output(cli::kSuccess);
+  }
+  // `cargobay help drive` is `cargobay drive --help`.
+  if (!words.empty() && std::string_view{words.front()} == "help") {
+    words.erase(words.begin());
+    words.push_back("--help");
+  }
+  if (const auto wrong = cli::wrong_first_word(app, words)) return usage_error(*wrong);
+  words.insert(words.begin(), "cargobay");
   try {
-    app.parse(argc, argv);
+    app.parse(static_cast<int>(words.size()), words.data());
   } catch (const CLI::Success& wish) {  // --help, --version
     std::ostringstream text;
     const int code = app.exit(wish, text, text);
     fmt::print("{}", text.str());
     return after_output(code);
   } catch (const CLI::ParseError& error) {
-    cli::print_error(std::string{error.what()} + "; see: cargobay --help");
-    return cli::kUsageError;
+    return usage_error(cli::explain(app, error));
   }
+  if (const auto wrong = cli::wrong_option(app)) return usage_error(*wrong);
   return after_output(chosen());
 }
 
@@ -74,7 +101,7 @@ int main(int argc, char** argv) {
   if (!cargobay::cli::open_standard_descriptors()) return cargobay::cli::kFailure;
   cargobay::cli::rely_on_standard_streams();
   try {
-    return run(argc, argv);
+    return run({argv + std::min(argc, 1), argv + argc});
   } catch (const std::exception& error) {
     cargobay::cli::print_error(error.what());
     return cargobay::cli::kFailure;

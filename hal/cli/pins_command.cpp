@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include "gpio/line.hpp"
 #include "hal/cli/commands.hpp"
@@ -23,15 +24,39 @@ constexpr std::chrono::milliseconds kSlice{50};  // longest time until a signal 
 struct PinsOptions {
   gpio::LineAddress watched{};
   bool active_low = false;
+  bool as_json = false;
 };
+
+// Why the chip cannot be opened.
+std::string explain(const gpio::ChipInfo& chip) {
+  const bool denied = chip.error == EACCES || chip.error == EPERM;
+  gpio::LineError error{.path = chip.path, .group = chip.group, .error = chip.error};
+  error.address = {.chip = chip.name, .line = "0"};
+  if (denied) error.kind = gpio::LineError::Kind::no_permission;
+  return gpio::explain(error);
+}
+
+// An object: path, name, and its lines or why it cannot be opened. All lines, by offset.
+nlohmann::ordered_json to_json(const gpio::ChipInfo& chip) {
+  nlohmann::ordered_json one{{"path", chip.path}, {"name", chip.name}};
+  if (chip.error != 0) {
+    one["error"] = explain(chip);
+    return one;
+  }
+  one["label"] = chip.label;
+  one["lines"] = nlohmann::ordered_json::array();
+  for (std::size_t offset = 0; offset < chip.lines.size(); ++offset) {
+    const gpio::LineInfo& line = chip.lines[offset];
+    nlohmann::ordered_json entry{{"offset", offset}, {"name", line.name}, {"used", line.used}};
+    if (line.used) entry["consumer"] = line.consumer;
+    one["lines"].push_back(std::move(entry));
+  }
+  return one;
+}
 
 void print(const gpio::ChipInfo& chip) {
   if (chip.error != 0) {
-    const bool denied = chip.error == EACCES || chip.error == EPERM;
-    gpio::LineError error{.path = chip.path, .group = chip.group, .error = chip.error};
-    error.address = {.chip = chip.name, .line = "0"};
-    if (denied) error.kind = gpio::LineError::Kind::no_permission;
-    fmt::print("{}: {}\n", chip.name, gpio::explain(error));
+    fmt::print("{}: {}\n", chip.name, explain(chip));
     return;
   }
   fmt::print("{} [{}] {} lines\n", chip.name, chip.label, chip.lines.size());
@@ -77,6 +102,12 @@ int pins(const PinsOptions& options) {
     return kUsageError;
   }
   const std::vector<gpio::ChipInfo> found = gpio::chips();
+  if (options.as_json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const gpio::ChipInfo& chip : found) list.push_back(to_json(chip));
+    fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return kSuccess;
+  }
   for (const gpio::ChipInfo& chip : found) print(chip);
   if (found.empty()) fmt::print("no GPIO chip here (/dev/gpiochip*)\n");
   return kSuccess;
@@ -90,11 +121,16 @@ void add_pins(CLI::App& app, Action& chosen) {
       app.add_subcommand("pins",
                          "List the GPIO chips and their lines, or watch one line until Ctrl-C.\n"
                          "Lines that have no name and are not used are left out.");
-  command->add_option("--watch", options->watched.line,
-                      "Print each edge of this line, by offset or name, and the time since the "
-                      "last");
+  CLI::Option* const watched =
+      command->add_option("--watch", options->watched.line,
+                          "Print each edge of this line, by offset or name, and the time since the "
+                          "last");
   command->add_option("--chip", options->watched.chip, "Its chip, by label or name");
   command->add_flag("--active-low", options->active_low, "The line comes through an inverter");
+  command
+      ->add_flag("--json", options->as_json,
+                 "Print the list as a JSON array, with all lines of each chip")
+      ->excludes(watched);
   command->callback([options, &chosen] { chosen = [options] { return pins(*options); }; });
 }
 

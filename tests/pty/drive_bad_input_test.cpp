@@ -219,7 +219,7 @@ TEST_P(MisuseTest, EndsWithTwo) {
 }
 
 const Misuse kMisuses[]{
-    {"NoSubcommand", {}, "subcommand"},
+    {"NoSubcommand", {}, "which command"},
     {"UnknownSubcommand", {"fly"}, ""},
     {"UnknownOption", {"drive", "--fly"}, "--fly"},
     {"OptionWithoutValue", {"drive", "--port"}, "--port"},

@@ -75,8 +75,9 @@ TEST(EncodeTool, RefusesNothingAndUnknownOptions) {
   EXPECT_EQ(encode({}, "").code, 1);
   EXPECT_THAT(encode({}, "# nothing\n").error, HasSubstr("there is no command in the text"));
   const Outcome option = encode({"--binar", "safe"});
-  EXPECT_EQ(option.code, 1);
-  EXPECT_THAT(option.error, HasSubstr("encode has no option --binar; see: cargobay encode --help"));
+  EXPECT_EQ(option.code, 2);
+  EXPECT_THAT(option.error, HasSubstr("encode has no option --binar; did you mean --binary? see: "
+                                      "cargobay encode --help"));
 }
 
 TEST(DecodeTool, SaysWhatCommandsMean) {

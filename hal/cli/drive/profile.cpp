@@ -51,9 +51,13 @@ Profile::Profile(std::vector<Piece> pieces) : pieces_{std::move(pieces)} {
   for (const Piece& piece : pieces_) period_s_ += piece.duration_s;
 }
 
+std::span<const std::string_view> Profile::names() {
+  static constexpr std::array<std::string_view, 4> kNames{"straight", "steps", "square", "spin"};
+  return kNames;
+}
+
 bool Profile::is_named(std::string_view name_or_file) {
-  constexpr std::array<std::string_view, 4> kNames{"straight", "steps", "square", "spin"};
-  return std::ranges::find(kNames, name_or_file) != kNames.end();
+  return std::ranges::find(names(), name_or_file) != names().end();
 }
 
 hal::Result<Profile> Profile::load(const std::string& name_or_file, double speed_mm_s) {

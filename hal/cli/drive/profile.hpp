@@ -1,6 +1,7 @@
 // What to drive: wheel speeds over time, in pieces of constant speed.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,7 @@ class Profile {
   // named ones use `speed_mm_s`.
   static hal::Result<Profile> load(const std::string& name_or_file, double speed_mm_s);
 
+  static std::span<const std::string_view> names();
   // Whether it is one of those names, not a file.
   static bool is_named(std::string_view name_or_file);
 

@@ -72,12 +72,6 @@ void take_operands(CLI::App& command, const std::string& name, const std::string
 
 hal::Result<std::string> joined_operands(const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
-  for (const std::string& word : words) {
-    if (word.starts_with("--") || (word.starts_with('-') && word.size() > 1 && word[1] >= 'A')) {
-      return hal::Failure{fmt::format("{} has no option {}; see: cargobay {} --help",
-                                      command.get_name(), word, command.get_name())};
-    }
-  }
   if (!words.empty() && words != std::vector<std::string>{"-"})
     return fmt::format("{}", fmt::join(words, " "));
   if (words.empty() && isatty(STDIN_FILENO) == 1) {

@@ -18,8 +18,8 @@ namespace cargobay::cli {
 
 // Lets the command take operands that look like options, such as -200. `name` is for its help.
 void take_operands(CLI::App& command, const std::string& name, const std::string& description);
-// The operands joined by spaces; standard input if there are none, or for `-`. Fails for a word
-// that looks like an option but is not, and if standard input is a terminal.
+// The operands joined by spaces; standard input if there are none, or for `-`. Fails if standard
+// input is a terminal.
 hal::Result<std::string> joined_operands(const CLI::App& command);
 
 // The commands' bytes; nothing if the text is wrong or empty: then this has printed an error, with
