@@ -208,7 +208,17 @@ hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOption
   return std::optional{*result};
 }
 
-int calibrate(const CalibrateOptions& options) {
+// With a --config that is not there yet, that is the file to write.
+CalibrateOptions with_new_config(CalibrateOptions options) {
+  if (!is_new_config(options.port)) return options;
+  if (options.write_file.empty()) options.write_file = options.port.config_file;
+  if (options.write_file != options.port.config_file) return options;
+  options.port.config_may_be_new = true;
+  return options;
+}
+
+int calibrate(const CalibrateOptions& given) {
+  const CalibrateOptions options = with_new_config(given);
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z, it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);
@@ -216,6 +226,8 @@ int calibrate(const CalibrateOptions& options) {
   };
   Outputs outputs;
   if (const auto done = check(options, outputs); !done) return fail(done.failure());
+  if (options.port.config_may_be_new)
+    print_remark(options.write_file + " is not there yet: it will be made, with the wheel base");
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
   const auto plant = find_plant(*config, options.pins, parameters(options.sim),
@@ -246,6 +258,9 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       "robot, and less\nthan a minute. Lag and gain of the wheels and the kind of remainder are "
       "shown too.\nWithout --port, on a virtual Create of its own.");
   add_port_options(*command, options->port);
+  CLI::Option* const config = command->get_option("--config");
+  config->description(config->get_description() +
+                      "; a file that is not there yet is made, as by --write");
   command->add_option("--speed", options->speed_mm_s, "Speed of the wheels in mm/s, 100 to 400")
       ->capture_default_str();
   command->add_option(

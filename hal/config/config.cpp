@@ -1,6 +1,7 @@
 #include "hal/config/config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <sstream>
 #include <variant>
 
+#include "hal/config/line_hint.hpp"
 #include "hal/config/setting_table.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/file/read_input.hpp"
@@ -33,10 +35,11 @@ class Reader {
  public:
   Reader(const std::string& file, Config& config) : file_{file}, config_{config} {}
 
-  Result<void> read(const toml::table& root) { return take(root, root_keys()); }
+  Result<void> read(const toml::table& root) { return take(root, "", root_keys()); }
 
  private:
-  Result<void> take(const toml::table& table, std::span<const Key> keys);
+  // `name` is that of the table.
+  Result<void> take(const toml::table& table, std::string_view name, std::span<const Key> keys);
   Failure at(const toml::source_region& where, const std::string& what) const {
     return {file_ + ":" + std::to_string(where.begin.line) + ": " + what};
   }
@@ -178,34 +181,56 @@ Key active_low_key(PinSetting& pin) {
   });
 }
 
-Result<void> Reader::take(const toml::table& table, std::span<const Key> keys) {
-  for (auto&& [name, node] : table) {
+// Where a key belongs that the table does not have: "; it belongs at the top of the file, before
+// any [table]". Empty if no table has it.
+std::string its_place(std::string_view key, std::string_view table) {
+  constexpr std::array<std::string_view, 4> kPins{"brc", "power", "power_sense", "charging"};
+  constexpr std::array<std::string_view, 5> kOfPins{"chip", "line", "active_low", "bias",
+                                                    "open_drain"};
+  const auto is_key = [key](std::string_view name) { return oi::is_spelt_alike(name, key); };
+  for (const Setting& setting : settings()) {
+    if (setting.table == table || !is_key(setting.key)) continue;
+    if (setting.table.empty()) return "; it belongs at the top of the file, before any [table]";
+    return "; it belongs under [" + std::string{setting.table} + "]";
+  }
+  if (table != "pins" && std::ranges::any_of(kPins, is_key))
+    return "; it is a table: [pins." + std::string{key} + "]";
+  if (std::ranges::any_of(kOfPins, is_key)) return "; it belongs under a pin, such as [pins.brc]";
+  return "";
+}
+
+Result<void> Reader::take(const toml::table& table, std::string_view name,
+                          std::span<const Key> keys) {
+  for (auto&& [word, node] : table) {
     const Key* found = nullptr;
-    oi::NearestName nearest{name.str()};
+    oi::NearestName nearest{word.str()};
     for (const Key& key : keys) {
       nearest.consider(key.name);
-      if (key.name == name.str()) found = &key;
+      if (key.name == word.str()) found = &key;
     }
     if (found == nullptr) {
-      std::string list;
-      for (const Key& key : keys) list += (list.empty() ? "" : ", ") + std::string{key.name};
-      return at(name.source(), "unknown key " + std::string{name.str()} +
-                                   (nearest.name().empty()
-                                        ? "; the keys are: " + list
-                                        : "; did you mean " + std::string{nearest.name()} + "?"));
+      std::string hint = its_place(word.str(), name);
+      if (!nearest.name().empty() &&
+          (hint.empty() || oi::is_spelt_alike(nearest.name(), word.str())))
+        hint = "; did you mean " + std::string{nearest.name()} + "?";
+      if (hint.empty()) {
+        for (const Key& key : keys)
+          hint += (hint.empty() ? "; the keys are: " : ", ") + std::string{key.name};
+      }
+      return at(word.source(), "unknown key " + std::string{word.str()} + hint);
     }
     const Complaint wrong = found->take(node);
     if (!inside_) return inside_;
-    if (wrong) return at(node.source(), std::string{name.str()} + " " + *wrong);
+    if (wrong) return at(node.source(), std::string{word.str()} + " " + *wrong);
   }
   return {};
 }
 
 Key Reader::table(std::string_view name, const std::function<std::vector<Key>()>& keys) {
-  return {name, [this, keys](const toml::node& node) -> Complaint {
+  return {name, [this, name, keys](const toml::node& node) -> Complaint {
             const toml::table* inside = node.as_table();
             if (inside == nullptr) return "must be a table, with keys of its own";
-            inside_ = take(*inside, keys());
+            inside_ = take(*inside, name, keys());
             return std::nullopt;
           }};
 }
@@ -274,8 +299,9 @@ Result<void> read_config(std::string_view text, const std::string& file, Config&
   const toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
-    return Failure{file + ":" + std::to_string(error.source().begin.line) +
-                   ": not TOML: " + std::string{error.description()}};
+    const std::size_t line = error.source().begin.line;
+    return Failure{file + ":" + std::to_string(line) +
+                   ": not TOML: " + std::string{error.description()} + line_hint(text, line)};
   }
   return Reader{file, config}.read(parsed.table());
 }

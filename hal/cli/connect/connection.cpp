@@ -1,5 +1,8 @@
 #include "hal/cli/connect/connection.hpp"
 
+#include <filesystem>
+#include <system_error>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -82,7 +85,8 @@ void add_pin_options(CLI::App& command, PinOptions& options) {
 }
 
 hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions& pins) {
-  auto config = hal::load_config(port.config_file);
+  const bool is_new = port.config_may_be_new && is_new_config(port);
+  auto config = is_new ? hal::Config{} : hal::load_config(port.config_file);
   if (!config) return config;
   if (port.port) config->port = *port.port;
   config->baud = port.baud ? *port.baud : config->baud.value_or(oi::kCreate.default_baud);
@@ -93,6 +97,11 @@ hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions
                     *config->baud, fmt::join(oi::kCreate.baud_rates, ", "))};
   }
   return config;
+}
+
+bool is_new_config(const PortOptions& port) {
+  std::error_code error;
+  return !port.config_file.empty() && !std::filesystem::exists(port.config_file, error) && !error;
 }
 
 void protect_config(const PortOptions& port, Outputs& outputs) {

@@ -21,6 +21,7 @@ namespace cargobay::cli {
 
 struct PortOptions {
   std::string config_file;
+  bool config_may_be_new = false;  // a file that is not there counts as an empty one
   std::optional<std::string> port{};
   std::optional<std::uint32_t> baud{};
 };
@@ -59,6 +60,9 @@ void add_pin_options(CLI::App& command, PinOptions& options);
 
 // The configuration, overridden by the options. The rate is set, and is one that the robot has.
 hal::Result<hal::Config> configuration(const PortOptions& port, const PinOptions& pins = {});
+
+// Whether --config names a file that is not there.
+bool is_new_config(const PortOptions& port);
 
 // Keeps the files that configuration() reads from being written to.
 void protect_config(const PortOptions& port, Outputs& outputs);

@@ -111,6 +111,55 @@ TEST(ConfigFile, ListsTheKeysWhereNoneIsNear) {
   EXPECT_THAT(complaint("[realtime]\nquickly = true"), HasSubstr("priority, cpu, require"));
 }
 
+TEST(ConfigFile, SaysWhereAKeyBelongs) {
+  EXPECT_THAT(complaint("[robot]\nport = '/dev/ttyUSB0'"),
+              AllOf(StartsWith("my.toml:2: unknown key port"),
+                    HasSubstr("it belongs at the top of the file, before any [table]")));
+  EXPECT_THAT(complaint("lag_s = 0.1"), HasSubstr("it belongs under [robot]"));
+  EXPECT_THAT(complaint("[robot]\npriority = 80"), HasSubstr("it belongs under [realtime]"));
+  EXPECT_THAT(complaint("[brc]\nline = 17"), HasSubstr("it is a table: [pins.brc]"));
+  EXPECT_THAT(complaint("line = 17"), HasSubstr("it belongs under a pin, such as [pins.brc]"));
+  EXPECT_THAT(complaint("[pins]\nchip = 'x'"), HasSubstr("it belongs under a pin"));
+}
+
+TEST(ConfigFile, SaysHowALineIsWritten) {
+  struct Line {
+    std::string text;
+    const char* says;
+  };
+  for (const Line& line : std::initializer_list<Line>{
+           {"port = /dev/ttyUSB0", "text goes in quotes: port = \"/dev/ttyUSB0\""},
+           {"port = /dev/ttyUSB0  # mine", "text goes in quotes: port = \"/dev/ttyUSB0\""},
+           {"port: /dev/ttyUSB0", "have = between them: port = /dev/ttyUSB0"},
+           {"port = \u201c/dev/ttyUSB0\u201d", "quotes are plain ones: port = \"/dev/ttyUSB0\""},
+           {"port = \"/dev/ttyUSB0", "does its text end with a quote?"},
+           {"port =", "its value is missing"},
+           {"learnt = none", "text goes in quotes: learnt = \"none\""},
+           {"[robot]\nremainder = lost", "text goes in quotes: remainder = \"lost\""},
+           {"[robot]\nhold_heading = True", "that is written: hold_heading = true"},
+           {"[robot]\nhold_heading = yes", "that is written: hold_heading = true"},
+           {"[robot]\nhold_heading = off", "that is written: hold_heading = false"},
+           {"[robot]\nwheel_base_mm = 258 mm", "alone: wheel_base_mm = 258"},
+           {"[robot]\nwheel_base_mm = 258,5", "alone: wheel_base_mm = 258.5"},
+           {"[robot\nwheel_base_mm = 258", "the name of a table goes in brackets: [robot]"},
+           {"// the robot", "a comment begins with #"},
+           {"[pins.brc]\nchip = pinctrl-bcm2835",
+            "text goes in quotes: chip = \"pinctrl-bcm2835\""},
+           {"port", "a line is a [table], or: key = value"}}) {
+    EXPECT_THAT(complaint(line.text), AllOf(HasSubstr("not TOML"), HasSubstr(line.says)))
+        << line.text;
+  }
+}
+
+// What the hint tells to write can be read.
+TEST(ConfigFile, SaysNothingOfALineThatIsRight) {
+  Config config;
+  EXPECT_TRUE(
+      read_config("port = \"/dev/ttyUSB0\"\n[robot]\nwheel_base_mm = 258.5\n"
+                  "hold_heading = true\nremainder = \"lost\"",
+                  "a", config));
+}
+
 TEST(ConfigFile, SaysWhatAValueIs) {
   EXPECT_THAT(complaint("baud = 12345"),
               HasSubstr("my.toml:1: baud must be one of the robot's rates"));
