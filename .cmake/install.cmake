@@ -38,8 +38,7 @@ install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT devel
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cargobay)
 install(EXPORT cargobayTargets NAMESPACE cargobay:: DESTINATION ${package_dir}
   COMPONENT development)
-file(WRITE ${install_dir}/cargobayConfig.cmake
-  "include(\"\${CMAKE_CURRENT_LIST_DIR}/cargobayTargets.cmake\")\n")
+configure_file(.cmake/cargobayConfig.cmake.in ${install_dir}/cargobayConfig.cmake COPYONLY)
 # As long as the library is libcargobay.so.0, nothing is removed from it (docs/abi.md).
 write_basic_package_version_file(${install_dir}/cargobayConfigVersion.cmake
   COMPATIBILITY SameMajorVersion)

@@ -17,7 +17,7 @@
 
 #if __cplusplus < 202002L
 #error "cargobay.hpp needs C++20 or later: compile with -std=c++20, or use cargobay.h"
-#endif
+#else  // and nothing of it, or the compiler would complain of each line
 
 #include <algorithm>
 #include <array>
@@ -1656,3 +1656,5 @@ class Robot {
 
 }  // namespace v0_1
 }  // namespace cargobay
+
+#endif
