@@ -199,25 +199,27 @@ std::string its_place(std::string_view key, std::string_view table) {
   return "";
 }
 
+// What to say of a key that the table does not have.
+std::string hint_for(std::string_view key, std::string_view table, std::span<const Key> keys) {
+  oi::NearestName nearest{key};
+  for (const Key& each : keys) nearest.consider(each.name);
+  std::string place = its_place(key, table);
+  if (!nearest.name().empty() && (place.empty() || oi::is_spelt_alike(nearest.name(), key)))
+    return "; did you mean " + std::string{nearest.name()} + "?";
+  if (!place.empty()) return place;
+  std::string list;
+  for (const Key& each : keys)
+    list += (list.empty() ? "; the keys are: " : ", ") + std::string{each.name};
+  return list;
+}
+
 Result<void> Reader::take(const toml::table& table, std::string_view name,
                           std::span<const Key> keys) {
   for (auto&& [word, node] : table) {
-    const Key* found = nullptr;
-    oi::NearestName nearest{word.str()};
-    for (const Key& key : keys) {
-      nearest.consider(key.name);
-      if (key.name == word.str()) found = &key;
-    }
-    if (found == nullptr) {
-      std::string hint = its_place(word.str(), name);
-      if (!nearest.name().empty() &&
-          (hint.empty() || oi::is_spelt_alike(nearest.name(), word.str())))
-        hint = "; did you mean " + std::string{nearest.name()} + "?";
-      if (hint.empty()) {
-        for (const Key& key : keys)
-          hint += (hint.empty() ? "; the keys are: " : ", ") + std::string{key.name};
-      }
-      return at(word.source(), "unknown key " + std::string{word.str()} + hint);
+    const auto found = std::ranges::find(keys, word.str(), &Key::name);
+    if (found == keys.end()) {
+      return at(word.source(),
+                "unknown key " + std::string{word.str()} + hint_for(word.str(), name, keys));
     }
     const Complaint wrong = found->take(node);
     if (!inside_) return inside_;

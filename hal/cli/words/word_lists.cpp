@@ -38,6 +38,7 @@ std::vector<Word> rates() {
 
 std::vector<Word> packets() {
   std::vector<Word> words;
+  words.reserve(oi::kPackets.size());
   for (const oi::PacketInfo& packet : oi::kPackets)
     words.push_back({std::string{packet.key}, fmt::format("packet {}", words.size())});
   return words;
