@@ -9,8 +9,11 @@ namespace {
 constexpr int kMostTurnTicks = 100'000;
 constexpr double kShowsSteps = 0.25;  // a tick: less says nothing about the kind
 constexpr double kManySteps = 30.0;
-constexpr double kSomeSteps = 6.0;      // that show whether a robot turns
-constexpr double kGatheredSteps = 1.5;  // then the direction is known, and what a reading loses
+// On the spot, where no distance would show that it stands: after so long, if there are so many.
+constexpr double kSomeSteps = 6.0;
+constexpr int kSomeTicks = 26;
+constexpr int kDoubtfulWindowTicks = 24;  // the longest, of both, while counters are in doubt
+constexpr double kGatheredSteps = 1.5;    // then the direction is known, and what a reading loses
 
 bool shows(const WheelEstimator::Unread& axis) CARGOBAY_NONBLOCKING {
   return std::abs(axis.steps_a_tick) >= kShowsSteps;
@@ -49,8 +52,7 @@ bool ReadSchedule::turn_pays(const Now& now) const CARGOBAY_NONBLOCKING {
   const double gathered = std::abs(turn.steps);
   // What is known may be wrong, and so much costs little.
   if (gathered >= kManySteps) return true;
-  if (!shows(now.distance) && gathered >= kSomeSteps && since_turn_ >= parameters_.some_turn_ticks)
-    return true;
+  if (!shows(now.distance) && gathered >= kSomeSteps && since_turn_ >= kSomeTicks) return true;
   if (gathered >= kGatheredSteps)
     return turn.sd >= parameters_.turn_sd || since_turn_ >= parameters_.rest_ticks;
   if (turn.sd >= parameters_.most_turn_sd) return true;
@@ -91,11 +93,11 @@ Axes ReadSchedule::rest(const Now& now) CARGOBAY_NONBLOCKING {
 Axes ReadSchedule::doubt(const Now& now) CARGOBAY_NONBLOCKING {
   constexpr double kDegreesMm = 9.0;  // the arc of 2 degrees
   constexpr double kLeastMm = 0.1;
-  doubtful_ = std::min(doubtful_ + 1, 4 * parameters_.doubtful_window_ticks);
+  doubtful_ = std::min(doubtful_ + 1, 4 * kDoubtfulWindowTicks);
   const int shows_ticks =
       !now.sure ? 0 : static_cast<int>(kDegreesMm / std::max(now.driven_mm, kLeastMm));
   const int ticks = std::clamp(std::max(doubtful_ / 4, shows_ticks), parameters_.least_window_ticks,
-                               parameters_.doubtful_window_ticks);
+                               kDoubtfulWindowTicks);
   const bool due = window(ticks) || doubtful_ == 1;
   if (due) in_phase_ = 0;
   return {.distance = due, .turn = due};

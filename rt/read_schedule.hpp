@@ -20,7 +20,6 @@ class ReadSchedule {
     int window_ticks = 12;       // between readings of a robot that loses the remainder
     int least_window_ticks = 6;  // the same right after a change of speed: first see, then refine
     int begin_window_ticks = 4;  // as a motion begins and the kind is not known: how do they begin?
-    int doubtful_window_ticks = 24;  // of both, while counters are in doubt
     // To find the kind: a window, successive readings, a window, and so on, ...
     int probe_window_ticks = 8;
     int probe_reads = 8;
@@ -38,7 +37,6 @@ class ReadSchedule {
     double turn_sd = 0.7;
     double idle_turn_sd = 1.0;
     double most_turn_sd = 4.0;
-    int some_turn_ticks = 26;   // on the spot, where no distance would show that it stands
     int least_turn_ticks = 10;  // between such readings
     int rest_ticks = 133;       // of standing, after which all is read
   };
@@ -85,7 +83,7 @@ class ReadSchedule {
   int moving_ = 0;       // ticks
   int resting_ = 0;      // ticks, up to rest_ticks
   int steady_ = 0;       // ticks, up to twice window_ticks
-  int doubtful_ = 0;     // ticks, up to four times doubtful_window_ticks
+  int doubtful_ = 0;     // ticks in a row, as many as count
   int since_turn_ = 0;   // ticks since the angle was last asked for
 };
 
