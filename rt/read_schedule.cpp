@@ -129,8 +129,8 @@ Axes ReadSchedule::choose(const Now& now) CARGOBAY_NONBLOCKING {
   // A window is half as long as the speed has been steady, within its limits.
   const bool due =
       window(std::clamp(steady_ / 2, parameters_.least_window_ticks, parameters_.window_ticks));
-  // Both in one frame, so that the ways of the wheels are known at that time; but while the plant is
-  // being learnt, the angle cannot wait.
+  // Both in one frame, so that the ways of the wheels are known at that time; but while the plant
+  // is being learnt, the angle cannot wait.
   const bool turn_may = due || moving_ < parameters_.probe_most_ticks;
   return {.distance = due, .turn = turn_may && turn_pays(now)};
 }

@@ -26,8 +26,6 @@ constexpr double kSureLogOdds = 10.0;
 constexpr double kCalm = 0.7;
 constexpr double kCalmResponse = 0.139;  // of a lag of 100 ms
 constexpr double kOneAxis = 0.7;         // both wheels err alike only in part
-constexpr double kMostSpeed = 600.0;     // mm/s, a fifth above the robot's range
-constexpr double kSlackSteps = 2.0;      // of the counter
 
 AxisFilter::Parameters distance_axis(const WheelEstimator::Parameters& parameters) {
   return {.step_mm = 1.0,
@@ -226,51 +224,6 @@ void WheelEstimator::doubt_command() CARGOBAY_NONBLOCKING {
   constexpr double kLags = 3.0;
   command_unsure_ =
       static_cast<int>(std::ceil(kLags * bank_.estimate().lag_s / parameters_.tick_s));
-}
-
-// Whether it is far from all that was foreseen. Once, that is noise on the line or a robot that was
-// pushed; twice in a row, it is so.
-bool WheelEstimator::surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING {
-  constexpr double kSd = 8.0;
-  constexpr double kPart = 0.5;  // of what was foreseen
-  constexpr double kSteps = 3.0;
-  const bool turns = axis == Axis::turn;
-  const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
-  const AxisFilter& filter = turns ? likely.turn : likely.distance;
-  const double step_mm = turns ? parameters_.wheel_base_mm * std::numbers::pi / 180.0 : 1.0;
-  const double off_mm = std::abs(count * step_mm - filter.unread_mm());
-  return off_mm > kSd * std::sqrt(filter.unread_variance()) + kPart * std::abs(filter.unread_mm()) +
-                      kSteps * step_mm;
-}
-
-// Whether it is less than that far, but as far as a wheel makes it that stands or counts half.
-bool WheelEstimator::strange(Axis axis, int count) const CARGOBAY_NONBLOCKING {
-  if (!bank_.steady() || !sure()) return false;
-  constexpr double kPart = 0.25;  // of the way of a wheel
-  constexpr double kSteps = 0.6;
-  const bool turns = axis == Axis::turn;
-  const Hypothesis& likely = log_odds_ > 0.0 ? carried_ : lost_;
-  const AxisFilter& filter = turns ? likely.turn : likely.distance;
-  const double step_mm = turns ? parameters_.wheel_base_mm * std::numbers::pi / 180.0 : 1.0;
-  const int ticks = turns ? turn_.ticks : distance_.ticks;
-  const WheelSpeeds now = speeds();
-  const double wheels = turns ? 2.0 : 1.0;
-  const double way_mm = wheels * parameters_.tick_s * ticks *
-                        (std::abs(now.left_mm_s) + std::abs(now.right_mm_s)) / 2.0;
-  const double half = count == 0 ? 0.0 : std::copysign(0.5, count);
-  return std::abs((count + half) * step_mm - filter.unread_mm()) >
-         kPart * way_mm + kSteps * step_mm + std::sqrt(filter.unread_variance());
-}
-
-// Whether a robot at full speed, and then some, could have gone this far since the last readings.
-bool WheelEstimator::plausible(const Reading& reading) const CARGOBAY_NONBLOCKING {
-  const auto most_mm = [&](const Counter& counter) CARGOBAY_NONBLOCKING {
-    return kMostSpeed * parameters_.tick_s * counter.ticks + kSlackSteps;
-  };
-  const double most_deg =
-      2.0 * most_mm(turn_) / parameters_.wheel_base_mm * 180.0 / std::numbers::pi + kSlackSteps;
-  return std::abs(reading.distance_mm.value_or(0)) <= most_mm(distance_) &&
-         std::abs(reading.angle_deg.value_or(0)) <= most_deg;
 }
 
 void WheelEstimator::read_unseen(Axis axis) CARGOBAY_NONBLOCKING {

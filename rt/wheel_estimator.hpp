@@ -175,6 +175,14 @@ class WheelEstimator {
   WheelSpeeds mix(double (AxisFilter::*value)() const CARGOBAY_NONBLOCKING) const
       CARGOBAY_NONBLOCKING;
   bool plausible(const Reading& reading) const CARGOBAY_NONBLOCKING;
+  // By how much a reading is off what was foreseen.
+  struct Miss {
+    double mm;
+    double foreseen_mm;
+    double sd_mm;  // of what was foreseen
+    double step_mm;
+  };
+  Miss miss(Axis axis, double count) const CARGOBAY_NONBLOCKING;
   bool surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING;
   bool strange(Axis axis, int count) const CARGOBAY_NONBLOCKING;
   void read_unseen(Axis axis) CARGOBAY_NONBLOCKING;

@@ -42,8 +42,8 @@ constexpr double kStillBeside = 0.22;  // of the other wheel's, for its command
 constexpr double kFewer = 0.69;
 constexpr double kUnlike = 0.80;  // the same, if coarse steps act as badly as they can
 
-// What the readings at both ends may have left out, for a wheel, unless each loses it. The half of a turn's step is
-// 2.25 mm, but not all of it is wrong as a rule.
+// What the readings at both ends may have left out, for a wheel, unless each loses it. The half of
+// a turn's step is 2.25 mm, but not all of it is wrong as a rule.
 constexpr double kEndsMm = 2.0;
 constexpr double kEndsLastingMm = 2.5;
 constexpr double kDoubt = 0.7;  // of what lost remainders may hide, where much is missing
