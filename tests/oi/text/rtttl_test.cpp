@@ -60,6 +60,75 @@ TEST(Rtttl, HasTheDefaultsOfPhones) {
   EXPECT_EQ(read("t:o=4,b=120:c"), "c4:32");
 }
 
+// The forms of public collections, each as in docs/protocol.md.
+TEST(Rtttl, ReadsASharpAsUnderscoreAndOnEitherSideOfTheLetter) {
+  EXPECT_EQ(read_at_120("c_,8e_,c_6,c_.6"), "c#5:32 f5:16 c#6:32 c#6:48");
+  EXPECT_EQ(read_at_120("8#d4,_d,#d.6"), "d#4:16 d#5:32 d#6:48");
+  EXPECT_EQ(read_at_120("8d5#,8d5_."), "d#5:16 d#5:24");
+  EXPECT_EQ(read_at_120("eb,8bb4,cb,hb"), "d#5:32 a#4:16 b4:32 a#5:32");
+}
+
+TEST(Rtttl, ReadsADotAfterTheDuration) {
+  EXPECT_EQ(read_at_120("8.c6,4.p,8.#d4,.c"), "c6:24 rest:48 d#4:24 c5:48");
+}
+
+TEST(Rtttl, ReadsRAsARest) { EXPECT_EQ(read_at_120("8r,R."), "rest:16 rest:48"); }
+
+TEST(Rtttl, ReadsUnitsAndNamesInFull) {
+  EXPECT_EQ(read("t:d=4,o=5,b=120bpm:c"), "c5:32");
+  EXPECT_EQ(read("t:d=4,b=120 BPM,o=5:c"), "c5:32");
+  EXPECT_EQ(read("t:duration=8,octave=5,tempo=120:c"), "c5:16");
+  EXPECT_EQ(read("t:d=8,o=5,bpm=120:c"), "c5:16");
+}
+
+TEST(Rtttl, ReadsControlsAmongTheNotes) {
+  EXPECT_EQ(read_at_120("c,d=8,c,o=6,c,o5,c"), "c5:32 c5:16 c6:16 c5:16");
+  EXPECT_EQ(read_at_120("c,b=240,c,b=60,c"), "c5:32 c5:16 c5:64");
+  EXPECT_EQ(read_at_120("c,SS,c,sn,s=c,c,v=3,c,l=2,c"), "c5:32 c5:32 c5:32 c5:32 c5:32");
+  EXPECT_EQ(read("t:d=4,o=5,b=120,c,8e"), "c5:32 e5:16");
+}
+
+// 16.67, 10.8 and 24 of 1/64 s, again and again: rounded to whole ones at each change of tempo they
+// would drift.
+TEST(Rtttl, ChangesOfTempoDoNotDrift) {
+  std::string notes = "p";
+  for (int i = 0; i < 40; ++i) notes += ",b=229,c,b=353,c,b=160,c";
+  RingTone tone;
+  ASSERT_FALSE(read_rtttl("t:d=4,o=5,b=120:" + notes, tone));
+  const double exact = 32 + 40 * 60.0 * 64 * (1.0 / 229 + 1.0 / 353 + 1.0 / 160);
+  EXPECT_EQ(duration(tone.notes).value, std::lround(exact));
+}
+
+TEST(Rtttl, PassesOverUnknownControls) {
+  EXPECT_EQ(read("t:d=4,v=80,o=5,x=a.b#c,b=120,i=:c"), "c5:32");
+}
+
+TEST(Rtttl, ReadsControlsWithoutCommaOrEqualSign) {
+  EXPECT_EQ(read("t:d=8 o=5 b=120:c"), "c5:16");
+  EXPECT_EQ(read("t:d8,o5,b120,ss:c"), "c5:16");
+}
+
+TEST(Rtttl, NameAndControlsCanBeLeftOut) {
+  EXPECT_EQ(read("d=8,o=5,b=120:c,e"), "c5:16 e5:16");
+  EXPECT_EQ(read(":d=8,o=5,b=120:c"), "c5:16");
+  EXPECT_EQ(read("tune:c"), "c6:61");
+  EXPECT_EQ(read(":c"), "c6:61");
+  RingTone tone;
+  ASSERT_FALSE(read_rtttl("d=4:c", tone));
+  EXPECT_EQ(tone.name, "");
+}
+
+TEST(Rtttl, NameMayHaveColonsAndEqualSigns) {
+  const std::vector<std::string> names{"Mission: Impossible", "a:b:c", "e=mc2", "12:30"};
+  for (const std::string& name : names) {
+    RingTone tone;
+    const std::string text = name + ":d=8,o=5,b=120:c";
+    ASSERT_FALSE(read_rtttl(text, tone)) << name;
+    EXPECT_EQ(tone.name, name);
+    EXPECT_EQ(tone.notes[0].duration.value, 16);
+  }
+}
+
 TEST(Rtttl, TakesDefaultsInAnyOrderAndTheLastOfTwo) {
   EXPECT_EQ(read("t:b=120,o=4,d=8:c"), "c4:16");
   EXPECT_EQ(read("t:b=120,o=4,o=7:c"), "c7:32");
@@ -123,23 +192,24 @@ struct Wrong {
 };
 
 TEST(Rtttl, SaysWhereAndWhatIsWrong) {
-  const std::string no_name = "a ring tone is name:defaults:notes, with two colons";
+  const std::string no_colon = "a ring tone is name:defaults:notes, with colons between";
   const std::string defaults = "defaults are d=, o= and b=, separated by commas";
   const std::string value =
       "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is 1 to 900, s is n, c or s";
   const std::string division = "a duration is 1, 2, 4, 8, 16, 32 or 64";
   const std::string letter = "a note is a to h, or p for a rest";
-  const std::string dot = "a note has one dot, before or after its octave";
+  const std::string dot = "a note has one dot";
   const std::string range = "out of range: the robot plays g1 to g9";
   const std::string comma = "notes are separated by commas";
   const std::string none = "there are no notes";
   const std::vector<Wrong> all{
-      {"", "column 1: " + no_name},
-      {"name", "column 5: " + no_name},
-      {"name:d=4,o=5,b=63", "column 18: " + no_name},
-      {"t:x=4:c", "column 3: " + defaults},
-      {"t:d4:c", "column 3: " + defaults},
-      {"t:d=4 o=5:c", "column 7: " + defaults},
+      {"", "column 1: " + no_colon},
+      {"name", "column 5: " + no_colon},
+      {"c,d,e", "column 6: " + no_colon},
+      {"name:d=4,o=5,b=63", "column 18: " + none},
+      {"t:x4:c", "column 3: " + defaults},
+      {"t:d=4;o=5:c", "column 6: " + defaults},
+      {"t:d=4, =5:c", "column 8: " + defaults},
       {"t:c,d,e:", "column 3: " + defaults},
       {"t:d=:c", "column 5: " + value},
       {"t:d=3:c", "column 5: " + value},
@@ -159,7 +229,7 @@ TEST(Rtttl, SaysWhereAndWhatIsWrong) {
       {"t::c,,d", "column 6: " + letter},
       {"t::,c", "column 4: " + letter},
       {"t::8", "column 5: " + letter},
-      {"t::c, 4#", "column 8: " + letter},
+      {"t::c, 4#", "column 9: " + letter},
       {"t::c..", "column 6: " + dot},
       {"t::c.5.", "column 7: " + dot},
       {"t::c5..", "column 7: " + dot},
@@ -170,7 +240,17 @@ TEST(Rtttl, SaysWhereAndWhatIsWrong) {
       {"t::g#9", "column 6: " + range},
       {"t:o=1:c", "column 7: " + range},
       {"t::c d", "column 6: " + comma},
-      {"t::c5#", "column 6: " + comma},
+      {"t::c5##", "column 7: " + comma},
+      {"t::#c#", "column 6: " + comma},
+      {"t::#", "column 5: " + letter},
+      {"t::#p", "column 5: " + letter},
+      {"t::8.c6.", "column 8: " + dot},
+      {"t::8..c", "column 6: " + dot},
+      {"t::c,d=3,e", "column 8: " + value},
+      {"t::c,s=x", "column 8: " + value},
+      {"t::c,b=0", "column 8: " + value},
+      {"t::c,o0", "column 7: " + value},
+      {"t::c,xyz", "column 6: " + letter},
       {"t::c;d", "column 5: " + comma},
       {"t::p#", "column 5: " + comma},
       {"t::c:d", "column 5: " + comma},
