@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 
+#include "oi/command_table.hpp"
 #include "oi/packet_table.hpp"
 
 namespace cargobay::oi {
@@ -42,6 +43,33 @@ inline constexpr std::uint8_t kSoftResetOpcode = 7;
 // Asks for the date of the firmware.
 inline constexpr std::uint8_t kFirmwareDateOpcode = 8;
 inline constexpr std::size_t kFirmwareDateBytes = 7;
+
+// The opcodes above, in text: without arguments.
+struct ExtensionCommand {
+  std::uint8_t opcode = 0;
+  CommandInfo info{};        // key and name
+  std::string_view meaning;  // for people
+};
+inline constexpr std::array<ExtensionCommand, 2> kExtensionCommands{{
+    {kSoftResetOpcode, detail::command(kSoftResetOpcode, "soft_reset", "Soft Reset", 0),
+     "restarts the robot"},
+    {kFirmwareDateOpcode, detail::command(kFirmwareDateOpcode, "firmware_date", "Firmware Date", 0),
+     "asks for the date of the firmware"},
+}};
+
+// Null if there is none.
+constexpr const ExtensionCommand* find_extension(std::string_view key) {
+  for (const ExtensionCommand& command : kExtensionCommands) {
+    if (command.info.key == key) return &command;
+  }
+  return nullptr;
+}
+constexpr const ExtensionCommand* find_extension(std::uint8_t opcode) {
+  for (const ExtensionCommand& command : kExtensionCommands) {
+    if (command.opcode == opcode) return &command;
+  }
+  return nullptr;
+}
 
 struct FirmwareDate {
   std::uint8_t year = 0;  // of the century

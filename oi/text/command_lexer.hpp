@@ -42,10 +42,33 @@ class CommandLexer {
     return {Token::Kind::word, slice(text_, begin, at_ - begin), begin};
   }
 
+  // All that the command goes on with from this word on, blanks included, for a ring tone. There a
+  // `#` at the beginning of a word is a comment too, except where it can be a sharp: after a comma
+  // or colon, and before one, a dot or an octave. The lexer goes on after it.
+  constexpr Token rest_of_command(const Token& first) {
+    std::size_t end = first.position;
+    char before = ' ';
+    for (at_ = first.position; at_ < text_.size() && !ends_command(text_[at_]); ++at_) {
+      if (is_blank(text_[at_])) continue;
+      if (text_[at_] == '#' && end < at_ && before != ',' && before != ':' && !is_sharp()) break;
+      before = text_[at_];
+      end = at_ + 1;
+    }
+    return {Token::Kind::word, slice(text_, first.position, end - first.position), first.position};
+  }
+
  private:
   static constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-  static constexpr bool ends_word(char c) {
-    return is_blank(c) || c == ';' || c == '\n' || c == '{' || c == '}';
+  static constexpr bool ends_command(char c) {
+    return c == ';' || c == '\n' || c == '{' || c == '}';
+  }
+  static constexpr bool ends_word(char c) { return is_blank(c) || ends_command(c); }
+  // Whether what follows the `#` here can follow a sharp.
+  constexpr bool is_sharp() const {
+    std::size_t next = at_ + 1;
+    while (next < text_.size() && is_blank(text_[next])) ++next;
+    if (next == text_.size() || ends_command(text_[next])) return true;
+    return text_[next] == ',' || text_[next] == '.' || (text_[next] >= '0' && text_[next] <= '9');
   }
   constexpr Token mark(Token::Kind kind) {
     ++at_;

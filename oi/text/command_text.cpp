@@ -5,9 +5,12 @@
 
 #include "oi/commands.hpp"
 #include "oi/dialect.hpp"
+#include "oi/encode.hpp"
+#include "oi/extensions.hpp"
 #include "oi/text/argument_names.hpp"
 #include "oi/text/command_lexer.hpp"
 #include "oi/text/nearest_name.hpp"
+#include "oi/text/rtttl.hpp"
 #include "oi/text/song.hpp"
 #include "oi/text/text_number.hpp"
 #include "oi/text/text_slice.hpp"
@@ -29,9 +32,19 @@ std::int32_t with_sign(const ArgumentInfo& argument, std::int32_t number, bool h
   return unsigned_form && known ? number - span : number;
 }
 
+// For the slot of a tune, and for what is wrong with it: on the wire there are songs.
+constexpr CommandInfo kTune = [] {
+  CommandInfo info = kCommandInfo<Song::kOpcode>;
+  info.key = kTuneKey;
+  info.argument_count = 1;
+  info.tail = Tail::none;
+  return info;
+}();
+
 class Encoder {
  public:
-  Encoder(std::string_view text, std::span<std::uint8_t> out) : lexer_{text}, out_{out} {}
+  Encoder(std::string_view text, std::span<std::uint8_t> out, Beyond beyond)
+      : lexer_{text}, out_{out}, beyond_{beyond} {}
 
   TextResult run() {
     advance();
@@ -90,8 +103,13 @@ class Encoder {
   }
 
   bool command(const Token& key, const CommandInfo* around) {
-    if (key.text == kRawBytesKey)
-      return around == nullptr ? fail(Code::bytes_outside, key) : raw_bytes();
+    if (key.text == kRawBytesKey) {
+      const bool allowed = around != nullptr || beyond_ == Beyond::manual;
+      return allowed ? raw_bytes() : fail(Code::bytes_outside, key);
+    }
+    if (key.text == kTuneKey) return tune();
+    if (const ExtensionCommand* known = find_extension(key.text))
+      return extension(key, *known, around != nullptr);
     if (key.text == kStopKey) return stop(key);
     const CommandInfo* info = kCreate.find_command(key.text);
     if (info == nullptr) return unknown(key);
@@ -120,6 +138,7 @@ class Encoder {
   bool unknown(const Token& key) {
     NearestName nearest{key.text};
     nearest.consider(kStopKey);
+    nearest.consider(kTuneKey);
     for (const CommandInfo& info : kCommands) {
       if (may_turn_wheels(info)) {
         nearest.consider_misspelt(info.key);
@@ -274,9 +293,45 @@ class Encoder {
     return true;
   }
 
+  bool extension(const Token& key, const ExtensionCommand& command, bool in_script) {
+    if (beyond_ == Beyond::nothing || in_script) return fail(Code::extension, key);
+    if (!put(command.opcode, key)) return false;
+    return word_.kind != Token::Kind::word || fail(Code::extra_argument, word_, &command.info);
+  }
+
+  bool tune() {
+    const ArgumentInfo& slot_info = kTune.argument_slots[0];
+    if (word_.kind != Token::Kind::word) return missing(kTune, slot_info);
+    std::int32_t slot = 0;
+    if (!value(kTune, slot_info, take(), slot)) return false;
+    if (word_.kind != Token::Kind::word)
+      return fail(Code::no_tune, {word_.kind, {}, word_.position}, &kTune);
+    const Token text = lexer_.rest_of_command(word_);
+    advance();
+    RingTone tone;
+    if (const auto wrong = read_rtttl(text.text, tone)) {
+      const Token at = text.part(wrong->column - 1, 1);
+      return fail_with({.code = Code::bad_tune,
+                        .position = at.position,
+                        .length = at.text.size(),
+                        .command = &kTune},
+                       {}, message(wrong->what));
+    }
+    const auto songs = split(tone.notes, static_cast<std::uint8_t>(slot));
+    if (!songs) {
+      const std::size_t room = kMaxSongNotes * (kSongSlots - static_cast<std::size_t>(slot));
+      return fail(Code::tune_too_long, text, &kTune, nullptr, room);
+    }
+    return std::ranges::all_of(*songs, [&](const Song& song) {
+      const auto bytes = oi::encode(song);  // the notes are in their ranges
+      return std::ranges::all_of(*bytes, [&](std::uint8_t byte) { return put(byte, text); });
+    });
+  }
+
   CommandLexer lexer_;
   Token word_{};  // the next one
   std::span<std::uint8_t> out_;
+  Beyond beyond_;
   std::size_t size_ = 0;
   std::size_t count_ = 0;  // elements of the tail so far
   std::optional<TextError> error_{};
@@ -284,8 +339,17 @@ class Encoder {
 
 }  // namespace
 
-TextResult encode_text(std::string_view text, std::span<std::uint8_t> out) {
-  return Encoder{text, out}.run();
+TextResult encode_text(std::string_view text, std::span<std::uint8_t> out, Beyond beyond) {
+  return Encoder{text, out, beyond}.run();
+}
+
+std::size_t most_bytes(std::string_view text) {
+  // Every command but a tune and `stop` has more characters than bytes; that has one less.
+  constexpr std::size_t kTuneBytes = kSongSlots * (3 + 2 * kMaxSongNotes);
+  std::size_t bytes = text.size() + 1;
+  for (std::size_t at = text.find(kTuneKey); at < text.size(); at = text.find(kTuneKey, at + 1))
+    bytes += kTuneBytes;
+  return bytes;
 }
 
 }  // namespace cargobay::oi

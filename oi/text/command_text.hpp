@@ -8,10 +8,14 @@
 //   baud 57600                the rate; a number below 12 is a code
 //   script { drive 300 straight; wait_distance 400; drive 0 0 }
 //   stop                      drive_direct 0 0: the one command that is not of the manual
+//   tune 0 name:d=4,o=5,b=120:8c,8e_,g.   a ring tone (oi/text/rtttl.hpp), as songs from slot 0 on
 //
 // Commands are separated by `;` or the end of a line; `#` begins a comment. Numbers are decimal or
 // hexadecimal (0x1f); in hexadecimal a negative one is its two's complement, as the manual writes
 // it. In a script, `bytes 137 1` gives bytes that are not a whole command.
+//
+// Beyond::manual allows `bytes` outside scripts too, and what some robots know although it is not
+// in the manual (oi/extensions.hpp): `soft_reset`, `firmware_date`.
 #pragma once
 
 #include <cstddef>
@@ -42,6 +46,10 @@ struct TextError {
     nested_script,
     script_too_long,  // more than `limit` bytes
     bytes_outside,    // `bytes` outside a script
+    extension,        // not in the manual
+    no_tune,          // `tune` without a ring tone
+    bad_tune,         // `hint` says what is wrong in it
+    tune_too_long,    // more than the `limit` notes that the slots from this one on hold
     output_full,      // more than the `limit` bytes of the buffer
   };
   Code code = Code::unknown_command;
@@ -49,7 +57,7 @@ struct TextError {
   std::size_t length = 0;                  // of the word; 0 if something is missing
   const CommandInfo* command = nullptr;    // whose argument it is
   const ArgumentInfo* argument = nullptr;  // with its range and unit
-  std::string_view hint{};                 // a name that was probably meant
+  std::string_view hint{};                 // a name that was probably meant; for bad_tune see there
   std::string_view advice{};               // or what to do here instead of what the word asks for
   std::size_t limit = 0;
 };
@@ -59,12 +67,16 @@ struct TextResult {
   std::optional<TextError> error{};
 };
 
-// Room for the bytes of any text of so many characters.
-constexpr std::size_t most_bytes(std::size_t characters) { return characters + 1; }
+// Whether a text may go beyond the commands of the manual.
+enum class Beyond : std::uint8_t { nothing, manual };
 
 // Text to bytes. A text without any command gives none, and no error. After an error the contents
 // of `out` are useless.
-TextResult encode_text(std::string_view text, std::span<std::uint8_t> out);
+TextResult encode_text(std::string_view text, std::span<std::uint8_t> out,
+                       Beyond beyond = Beyond::nothing);
+
+// No text makes more bytes than this.
+std::size_t most_bytes(std::string_view text);
 
 // Room for the text of any command: 255 packets with the longest name.
 inline constexpr std::size_t kMaxCommandText = [] {
@@ -82,6 +94,9 @@ std::size_t format_command(std::span<const std::uint8_t> command, std::span<char
 // One line for a user: where, what is wrong, and what would be right. `text` is the one that the
 // error is about. Cut off at the end of `out`; 400 characters are enough.
 std::size_t format_error(const TextError& error, std::string_view text, std::span<char> out);
+
+// The word for a ring tone.
+inline constexpr std::string_view kTuneKey = "tune";
 
 // The word in a script for bytes that are not a whole command, or one with values out of range.
 inline constexpr std::string_view kRawBytesKey = "bytes";

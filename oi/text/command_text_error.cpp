@@ -136,6 +136,14 @@ void write_what(TextWriter& out, const TextError& error, std::string_view word) 
     case Code::script_too_long:
       return write_limit(out, "from here on it is longer than ", error, " bytes");
     case Code::bytes_outside: return out.put("'bytes' is allowed in a script only");
+    case Code::extension:
+      write_word(out, word);
+      return out.put(" is not in the manual: only some robots know it, and not in a script");
+    case Code::no_tune:
+      return out.put("the ring tone is missing; write: tune 0 name:d=4,o=5,b=120:8c,8e_,g.");
+    case Code::bad_tune: return out.put(error.hint);
+    case Code::tune_too_long:
+      return write_limit(out, "too long: the slots from this one on hold ", error, " notes");
     case Code::output_full:
       return write_limit(out, "the commands make more than ", error, " bytes");
   }

@@ -5,9 +5,11 @@
 #include <array>
 
 #include "oi/commands.hpp"
+#include "oi/extensions.hpp"
 #include "oi/parse.hpp"
 #include "oi/text/argument_names.hpp"
 #include "oi/text/command_text.hpp"
+#include "oi/text/create_2.hpp"
 #include "oi/text/song.hpp"
 
 namespace cargobay::oi {
@@ -55,7 +57,8 @@ void write_meaning(TextWriter& out, const ArgumentInfo& argument, std::int32_t v
 
 class CommandDescriber {
  public:
-  CommandDescriber(Bytes bytes, const AnnotationSink& sink) : bytes_{bytes}, tell_{bytes, sink} {}
+  CommandDescriber(Bytes bytes, const AnnotationSink& sink, const Dialect& dialect)
+      : bytes_{bytes}, dialect_{dialect}, tell_{bytes, sink} {}
 
   Described run() {
     commands(bytes_.size());
@@ -88,8 +91,25 @@ class CommandDescriber {
 
   void unknown(std::uint8_t opcode) {
     TextWriter& out = tell_.words();
+    const ExtensionCommand* const extension = find_extension(opcode);
+    const std::string_view other = create_2::opcode_name(opcode);
+    if (extension != nullptr && dialect_.has_undocumented_opcodes) {
+      out.put(extension->info.name);
+      out.put(", not in the manual: ");
+      out.put(extension->meaning);
+      return tell_.tell(Kind::opcode, at_++, 1);
+    }
     out.put_number(opcode);
-    out.put(" is not a command; the robot ignores it");
+    if (extension != nullptr) {
+      out.put(" is not a command of the manual, only of some robots: ");
+      out.put(extension->meaning);
+    } else if (!other.empty()) {
+      out.put(
+          " is not a command of this robot, which ignores it; the Create 2 and Roombas have it: ");
+      out.put(other);
+    } else {
+      out.put(" is not a command; the robot ignores it");
+    }
     tell_.tell(Kind::unknown_opcode, at_++, 1, false);
   }
 
@@ -130,14 +150,29 @@ class CommandDescriber {
     value = number_at(bytes_.subspan(at_), argument);
     TextWriter& out = tell_.words();
     write_meaning(out, argument, value);
-    const bool sound = argument.accepts(value);
+    const bool packet = argument.name == "packet" && !argument.accepts(value);
+    const PacketInfo* const extended =
+        packet ? dialect_.find_packet(static_cast<std::uint8_t>(value)) : nullptr;
+    const bool sound = argument.accepts(value) || extended != nullptr;
+    if (extended != nullptr) {
+      out.put(" ");
+      out.put(extended->key);
+    }
     if (!sound) {
       out.put(": out of range; ");
       write_choice(out, argument);
+      if (packet) write_foreign(out, static_cast<std::uint8_t>(value));
     }
     tell_.tell(kind, at_, argument.size, sound);
     at_ += argument.size;
     return true;
+  }
+
+  static void write_foreign(TextWriter& out, std::uint8_t id) {
+    const create_2::Packet* const other = create_2::find_packet(id);
+    if (other == nullptr) return;
+    out.put(". The Create 2 has it: ");
+    out.put(other->name);
   }
 
   void script(std::size_t length, std::size_t end) {
@@ -176,6 +211,7 @@ class CommandDescriber {
   }
 
   Bytes bytes_;
+  const Dialect& dialect_;
   Annotator tell_;
   std::size_t at_ = 0;
   bool in_script_ = false;
@@ -184,8 +220,9 @@ class CommandDescriber {
 
 }  // namespace
 
-Described describe_commands(std::span<const std::uint8_t> bytes, AnnotationSink sink) {
-  return CommandDescriber{bytes, sink}.run();
+Described describe_commands(std::span<const std::uint8_t> bytes, AnnotationSink sink,
+                            const Dialect& dialect) {
+  return CommandDescriber{bytes, sink, dialect}.run();
 }
 
 }  // namespace cargobay::oi

@@ -3,8 +3,10 @@
 
 #include "oi/checksum.hpp"
 #include "oi/dialect.hpp"
+#include "oi/extensions.hpp"
 #include "oi/frame.hpp"
 #include "oi/sensors.hpp"
+#include "oi/text/create_2.hpp"
 #include "oi/text/describe.hpp"
 #include "oi/text_tail.hpp"
 #include "oi/value_names.hpp"
@@ -27,17 +29,25 @@ void write_bits(TextWriter& out, PacketId packet, std::int32_t value) {
 
 class StreamDescriber {
  public:
-  StreamDescriber(Bytes bytes, const AnnotationSink& sink) : bytes_{bytes}, tell_{bytes, sink} {}
+  StreamDescriber(Bytes bytes, const AnnotationSink& sink, const Dialect& dialect)
+      : bytes_{bytes}, dialect_{dialect}, tell_{bytes, sink} {}
 
   Described stream() {
     while (at_ < bytes_.size()) {
       const Bytes rest = bytes_.subspan(at_);
       if (const std::size_t length = whole_frame(rest); length != 0) {
         frame(rest.first(length));
+        aligned_ = true;
+      } else if (const std::size_t foreign = foreign_frame(rest); foreign != 0) {
+        frame(rest.first(foreign));
+        aligned_ = true;
+      } else if (is_firmware_date(rest)) {
+        firmware_date(rest);
       } else if (const std::size_t needed = needed_for_frame(rest); needed != 0) {
         return cut_short(needed);
       } else {
         between_frames();
+        aligned_ = false;
       }
     }
     return tell_.described();
@@ -45,12 +55,12 @@ class StreamDescriber {
 
   Described reply(std::span<const PacketId> packets) {
     std::size_t all = 0;
-    for (const PacketId id : packets) all += kCreate.packet(id).size;
+    for (const PacketId id : packets) all += dialect_.packet(id).size;
     for (const PacketId id : packets) {
-      if (bytes_.size() - at_ >= kCreate.packet(id).size) {
-        values(kCreate.packet(id));
+      if (bytes_.size() - at_ >= dialect_.packet(id).size) {
+        values(dialect_.packet(id));
       } else {
-        part_of_packet(kCreate.packet(id));
+        part_of_packet(dialect_.packet(id));
       }
     }
     if (bytes_.size() < all) tell_.tell_missing(all - bytes_.size());
@@ -64,7 +74,7 @@ class StreamDescriber {
  private:
   // Length of the frame that these bytes begin with; 0 if there is none. A frame with a wrong
   // checksum counts unless one with a right checksum begins inside it.
-  static std::size_t whole_frame(Bytes bytes) {
+  std::size_t whole_frame(Bytes bytes) const {
     const std::size_t length = well_formed(bytes);
     if (length == 0 || checksum_matches(bytes.first(length), Checksum::automatic)) return length;
     for (std::size_t begin = 1; begin < length; ++begin) {
@@ -74,22 +84,58 @@ class StreamDescriber {
     }
     return length;
   }
-  static std::size_t well_formed(Bytes bytes) {
+  std::size_t well_formed(Bytes bytes) const {
     if (bytes.size() < kMinFrameBytes || bytes[0] != kFrameHeader) return 0;
     const std::size_t length = bytes[1] + kFrameOverhead;
     if (bytes.size() < length) return 0;
-    return is_well_formed(bytes.first(length), kCreate.item_sizes) ? length : 0;
+    return is_well_formed(bytes.first(length), dialect_.item_sizes) ? length : 0;
+  }
+
+  // Bytes that the id claims in a frame, itself included, of this robot or of the Create 2.
+  std::size_t item_size(std::uint8_t id) const {
+    const create_2::Packet* const other = create_2::find_packet(id);
+    if (dialect_.item_sizes[id] != 0 || other == nullptr) return dialect_.item_sizes[id];
+    return 1U + other->size;
+  }
+  // Length of the frame of another robot that these bytes begin with; 0 if there is none. Its
+  // checksum is right, and its packets fill it, or one is not known: that is believed only where a
+  // frame must begin, since one in 128 wrong places has a right checksum.
+  std::size_t foreign_frame(Bytes bytes) const {
+    if (bytes.size() < kMinFrameBytes || bytes[0] != kFrameHeader) return 0;
+    const std::size_t length = bytes[1] + kFrameOverhead;
+    if (length < kMinFrameBytes || bytes.size() < length) return 0;
+    if (!checksum_matches(bytes.first(length), Checksum::automatic)) return 0;
+    std::size_t at = 2;
+    while (at + 1 < length) {
+      const std::size_t size = item_size(bytes[at]);
+      if (size == 0) return aligned_ ? length : 0;
+      at += size;
+    }
+    return at + 1 == length ? length : 0;
+  }
+
+  bool is_firmware_date(Bytes bytes) const {
+    return dialect_.has_undocumented_opcodes && bytes.size() >= kFirmwareDateBytes &&
+           parse_firmware_date(bytes.first(kFirmwareDateBytes)).has_value();
+  }
+  void firmware_date(Bytes bytes) {
+    const FirmwareDate date = *parse_firmware_date(bytes.first(kFirmwareDateBytes));
+    TextWriter& out = tell_.words();
+    out.put("answer to opcode 8: firmware of ");
+    write_date(out, date);
+    tell_.tell(Kind::value, at_, kFirmwareDateBytes);
+    at_ += kFirmwareDateBytes;
   }
 
   // How many bytes are missing if these can be the beginning of a frame; 0 if they cannot, or if a
   // whole frame is inside.
-  static std::size_t needed_for_frame(Bytes bytes) {
+  std::size_t needed_for_frame(Bytes bytes) const {
     if (bytes[0] != kFrameHeader) return 0;
     if (bytes.size() == 1) return kMinFrameBytes - 1;
     const std::size_t length = bytes[1] + kFrameOverhead;
     if (length < kMinFrameBytes || bytes.size() >= length) return 0;
     for (std::size_t at = 2; at + 1 < length && at < bytes.size();) {
-      const std::size_t size = kCreate.item_sizes[bytes[at]];
+      const std::size_t size = dialect_.item_sizes[bytes[at]];
       if (size == 0 || at + size + 1 > length) return 0;
       at += size;
     }
@@ -110,7 +156,7 @@ class StreamDescriber {
   }
 
   void packet_id() {
-    const PacketInfo& info = *kCreate.find_packet(bytes_[at_]);
+    const PacketInfo& info = *dialect_.find_packet(bytes_[at_]);
     TextWriter& out = tell_.words();
     out.put("packet ");
     out.put_number(info.id);
@@ -119,11 +165,42 @@ class StreamDescriber {
     tell_.tell(Kind::packet, at_++, 1);
   }
 
+  // The packet is not this robot's; `end` is that of the frame's packets.
+  void foreign_packet(std::size_t end) {
+    TextWriter& out = tell_.words();
+    const create_2::Packet* const other = create_2::find_packet(bytes_[at_]);
+    out.put("packet ");
+    out.put_number(bytes_[at_]);
+    if (other == nullptr) {
+      out.put(" of neither this robot nor the Create 2: where it ends is not known");
+    } else {
+      out.put(" ");
+      out.put(other->name);
+      out.put(" of the Create 2 or a Roomba; this robot has none");
+    }
+    tell_.tell(Kind::packet, at_++, 1, false);
+    const std::size_t size = other == nullptr ? end - at_ : other->size;
+    if (size == 0) return;
+    TextWriter& value = tell_.words();
+    if (size <= 2) {
+      value.put_number(size == 1 ? bytes_[at_] : bytes_[at_] * 256 + bytes_[at_ + 1]);
+    } else {
+      value.put_number(static_cast<std::int64_t>(size));
+      value.put(" bytes of data");
+    }
+    tell_.tell(Kind::value, at_, size);
+    at_ += size;
+  }
+
   void frame(Bytes frame) {
     const std::size_t checksum_at = at_ + frame.size() - 1;
     header_and_length();
     while (at_ < checksum_at) {
-      const PacketInfo& info = *kCreate.find_packet(bytes_[at_]);
+      if (dialect_.find_packet(bytes_[at_]) == nullptr) {
+        foreign_packet(checksum_at);
+        continue;
+      }
+      const PacketInfo& info = *dialect_.find_packet(bytes_[at_]);
       packet_id();
       values(info);
     }
@@ -152,7 +229,7 @@ class StreamDescriber {
   // All bytes of the packet are there.
   void values(const PacketInfo& info) {
     for (std::uint8_t id = info.first; id <= info.last; ++id) {
-      const PacketInfo& single = *kCreate.find_packet(id);
+      const PacketInfo& single = *dialect_.find_packet(id);
       const std::int32_t value = detail::read_value(single, bytes_.subspan(at_));
       TextWriter& out = tell_.words();
       out.put(single.key);
@@ -172,7 +249,7 @@ class StreamDescriber {
   // As much of the packet as is there.
   void part_of_packet(const PacketInfo& info) {
     for (std::uint8_t id = info.first; id <= info.last && at_ < bytes_.size(); ++id) {
-      const PacketInfo& single = *kCreate.find_packet(id);
+      const PacketInfo& single = *dialect_.find_packet(id);
       if (bytes_.size() - at_ >= single.size) {
         values(single);
         continue;
@@ -186,7 +263,7 @@ class StreamDescriber {
   Described cut_short(std::size_t needed) {
     header_and_length();
     while (at_ < bytes_.size()) {
-      const PacketInfo& info = *kCreate.find_packet(bytes_[at_]);
+      const PacketInfo& info = *dialect_.find_packet(bytes_[at_]);
       packet_id();
       if (bytes_.size() - at_ >= info.size) {
         values(info);
@@ -227,7 +304,9 @@ class StreamDescriber {
   }
   bool frame_begins() const {
     const Bytes rest = bytes_.subspan(at_);
-    return rest[0] == kFrameHeader && (whole_frame(rest) != 0 || needed_for_frame(rest) != 0);
+    return is_firmware_date(rest) ||
+           (rest[0] == kFrameHeader &&
+            (whole_frame(rest) != 0 || foreign_frame(rest) != 0 || needed_for_frame(rest) != 0));
   }
   static void write_printed(TextWriter& out, Bytes text) {
     out.put("text '");
@@ -239,8 +318,10 @@ class StreamDescriber {
   }
 
   Bytes bytes_;
+  const Dialect& dialect_;
   Annotator tell_;
   std::size_t at_ = 0;
+  bool aligned_ = true;  // at the beginning, or after a frame
 };
 
 }  // namespace
@@ -257,19 +338,33 @@ void write_sensor_value(TextWriter& out, PacketId packet, std::int32_t value) {
     out.put(" ");
     return write_bits(out, packet, value);
   }
-  const std::string_view unit = symbol(kCreate.packet(packet).unit);
+  const std::string_view unit = symbol(kCreateWithExtensions.packet(packet).unit);
   if (unit.empty()) return;
   out.put(" ");
   out.put(unit);
 }
 
-Described describe_stream(std::span<const std::uint8_t> bytes, AnnotationSink sink) {
-  return StreamDescriber{bytes, sink}.stream();
+void write_date(TextWriter& out, const FirmwareDate& date) {
+  const auto two = [&out](std::string_view before, std::uint8_t number) {
+    out.put(before);
+    if (number < 10) out.put("0");
+    out.put_number(number);
+  };
+  two("20", date.year);
+  two("-", date.month);
+  two("-", date.day);
+  two(" ", date.hour);
+  two(":", date.minute);
+}
+
+Described describe_stream(std::span<const std::uint8_t> bytes, AnnotationSink sink,
+                          const Dialect& dialect) {
+  return StreamDescriber{bytes, sink, dialect}.stream();
 }
 
 Described describe_reply(std::span<const PacketId> packets, std::span<const std::uint8_t> bytes,
-                         AnnotationSink sink) {
-  return StreamDescriber{bytes, sink}.reply(packets);
+                         AnnotationSink sink, const Dialect& dialect) {
+  return StreamDescriber{bytes, sink, dialect}.reply(packets);
 }
 
 }  // namespace cargobay::oi

@@ -48,7 +48,13 @@ class Compiler {
       return fail(Wrong::nested_script, first.position);
     }
     Token last = first;
-    for (Token word = lexer.next(); in_command(word); word = lexer.next()) last = word;
+    Token word = lexer.next();
+    if (first.text == kTuneKey && in_command(word)) {
+      last = word;  // the slot
+      word = lexer.next();
+      if (in_command(word)) word = lexer.rest_of_command(word);
+    }
+    for (; in_command(word); word = lexer.next()) last = word;
     const std::size_t end = last.position + last.text.size();
     std::array<std::uint8_t, kMaxCommandBytes> encoded{};
     TextResult result = encode_text(slice(text_, first.position, end - first.position), encoded);

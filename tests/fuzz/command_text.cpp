@@ -31,8 +31,14 @@ void check_command(std::span<const std::uint8_t> command) {
   require(std::equal(command.begin(), command.end(), again.begin()));
 }
 
+void check_text_beyond(std::string_view text) {
+  std::vector<std::uint8_t> bytes(oi::most_bytes(text));
+  const oi::TextResult result = oi::encode_text(text, bytes, oi::Beyond::manual);
+  require(!result.error || result.error->code != oi::TextError::Code::output_full);
+}
+
 void check_text(std::string_view text) {
-  std::vector<std::uint8_t> bytes(oi::most_bytes(text.size()));
+  std::vector<std::uint8_t> bytes(oi::most_bytes(text));
   const oi::TextResult result = oi::encode_text(text, bytes);
   if (result.error) {
     require(result.error->code != oi::TextError::Code::output_full);
@@ -60,6 +66,9 @@ void check_description(std::span<const std::uint8_t> bytes) {
   require(told == bytes.size());
   (void)oi::describe_stream(bytes, tell);
   require(told == 2 * bytes.size());
+  (void)oi::describe_commands(bytes, tell, oi::kCreateWithExtensions);
+  (void)oi::describe_stream(bytes, tell, oi::kCreateWithExtensions);
+  require(told == 4 * bytes.size());
   const oi::ParseResult parsed = oi::parse_command(bytes);
   if (parsed.outcome == oi::ParseResult::Outcome::command)
     check_command(bytes.first(parsed.length));
@@ -69,6 +78,7 @@ void check_description(std::span<const std::uint8_t> bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   check_text({reinterpret_cast<const char*>(data), size});
+  check_text_beyond({reinterpret_cast<const char*>(data), size});
   check_description({data, size});
   return 0;
 }

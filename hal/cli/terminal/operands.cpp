@@ -82,7 +82,7 @@ hal::Result<std::string> joined_operands(const CLI::App& command) {
 }
 
 std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text) {
-  std::vector<std::uint8_t> bytes(oi::most_bytes(text.size()));
+  std::vector<std::uint8_t> bytes(oi::most_bytes(text));
   const oi::TextResult result = oi::encode_text(text, bytes);
   if (result.error) {
     std::array<char, 512> message{};

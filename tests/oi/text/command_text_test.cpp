@@ -27,13 +27,13 @@ struct Encoded {
   std::optional<TextError> what;
 };
 
-Encoded encode_with_room(std::string_view text, std::size_t room) {
+Encoded encode_with_room(std::string_view text, std::size_t room, Beyond beyond = Beyond::nothing) {
   // Allocated to exactly its size, so that a sanitizer sees a read past an end.
   const auto characters = std::make_unique<char[]>(text.size());
   std::copy(text.begin(), text.end(), characters.get());
   const auto out = std::make_unique<std::uint8_t[]>(room);
   const std::string_view exact{characters.get(), text.size()};
-  const TextResult result = encode_text(exact, {out.get(), room});
+  const TextResult result = encode_text(exact, {out.get(), room}, beyond);
   Encoded encoded{
       .bytes = {out.get(), out.get() + result.bytes}, .error = {}, .what = result.error};
   if (!result.error) return encoded;
@@ -182,6 +182,70 @@ TEST(EncodeText, TakesRawBytesInAScript) {
   EXPECT_EQ(error_of("script { bytes }"), "column 16: script: byte is missing; it is 0 to 255");
   EXPECT_EQ(error_of("script { bytes 256 }"),
             "column 16: script: byte '256' is out of range; it is 0 to 255");
+}
+
+TEST(EncodeText, GoesBeyondTheManualOnlyIfAllowed) {
+  const auto allowed = [](std::string_view text) {
+    return encode_with_room(text, 100, Beyond::manual);
+  };
+  EXPECT_EQ(allowed("safe; bytes 173 0x07; soft_reset; firmware_date").bytes,
+            (Bytes{131, 173, 7, 7, 8}));
+  EXPECT_EQ(allowed("bytes").error, "column 6: script: byte is missing; it is 0 to 255");
+  EXPECT_EQ(
+      allowed("soft_reset 3").error,
+      "column 12: soft_reset: '3' is too much: it takes no arguments; separate commands with ;");
+  EXPECT_THAT(error_of("safe; soft_reset"),
+              HasSubstr("column 7: 'soft_reset' is not in the manual"));
+  EXPECT_THAT(allowed("script { firmware_date }").error, HasSubstr("is not in the manual"));
+}
+
+// Tunes.
+
+TEST(EncodeText, StoresATune) {
+  EXPECT_EQ(bytes_of("tune 0 name:d=4,o=5,b=120:8c,8e_,g."),
+            (Bytes{140, 0, 3, 72, 16, 77, 16, 79, 48}));
+  EXPECT_EQ(bytes_of("safe; tune 3 Ode to Joy:d=4,o=5,b=120:e, 8 f # 5 , ; full"),
+            bytes_of("safe; song 3 e5:32 f#5:16; full"));
+}
+
+TEST(EncodeText, SplitsATuneOverTheSlots) {
+  std::string text = "tune 14 x:d=4,o=5,b=120:c";
+  for (int i = 1; i < 17; ++i) text += ",c";
+  const Bytes bytes = bytes_of(text);
+  ASSERT_EQ(bytes.size(), 3U + 32 + 3 + 2);
+  EXPECT_EQ((Bytes{bytes.end() - 5, bytes.end()}), (Bytes{140, 15, 1, 72, 32}));
+  for (int i = 17; i < 33; ++i) text += ",c";
+  EXPECT_EQ(error_of(text), "column 9: tune: too long: the slots from this one on hold 32 notes");
+}
+
+TEST(EncodeText, FindsTheEndOfATune) {
+  const Bytes one = bytes_of("song 0 84:32");
+  EXPECT_EQ(bytes_of("tune 0 x:b=120:c   # a comment, not a note"), one);
+  EXPECT_EQ(bytes_of("tune 0 x:b=120: #c, #d  # comment"), bytes_of("song 0 c#6:32 d#6:32"));
+  EXPECT_EQ(bytes_of("tune 0 x:b=120:c\nfull"), bytes_of("song 0 84:32; full"));
+  EXPECT_EQ(bytes_of("script { tune 0 x:b=120:c }"), bytes_of("script { song 0 84:32 }"));
+  EXPECT_THAT(error_of("tune 0 # x:c\n"), HasSubstr("the ring tone is missing"));
+}
+
+TEST(EncodeText, SaysWhereATuneIsWrong) {
+  EXPECT_EQ(error_of("tune"), "column 5: tune: slot is missing; it is 0 to 15");
+  EXPECT_EQ(error_of("tune 16 x:c"), "column 6: tune: slot '16' is out of range; it is 0 to 15");
+  EXPECT_EQ(error_of("tune x:d=4:c"),
+            "column 6: tune: slot 'x:d=4:c' is not a number; it is 0 to 15");
+  EXPECT_EQ(error_of("tune 0"),
+            "column 7: tune: the ring tone is missing; write: tune 0 name:d=4,o=5,b=120:8c,8e_,g.");
+  EXPECT_EQ(error_of("safe\ntune 0 x:d=4:c, 8x"),
+            "line 2, column 18: tune: a note is a to h, or p for a rest");
+  EXPECT_EQ(error_of("tune 0 x:d=4:c,8"), "column 17: tune: a note is a to h, or p for a rest");
+  EXPECT_EQ(error_of("tnue 0 x:c"), "column 1: 'tnue' is not a command; did you mean 'tune'?");
+}
+
+TEST(EncodeText, NoTextMakesMoreBytesThanSaid) {
+  std::string text = "tune 0 x:d=1,o=5,b=1:";
+  for (int i = 0; i < 4; ++i) text += "1c,";
+  const std::size_t most = most_bytes(text);
+  EXPECT_EQ(encode_with_room(text, most).bytes.size(), 16U * 3 + 2 * 244);
+  EXPECT_EQ(most_bytes("safe"), 5U);
 }
 
 TEST(EncodeText, FillsTheBufferAndNoMore) {
@@ -474,14 +538,16 @@ TEST(FormatCommand, HasRoomForTheLongestAndRefusesLess) {
 TEST(EncodeText, IsSafeForRandomTexts) {
   std::mt19937 random{5};
   const std::vector<std::string_view> pieces{
-      "drive",     "script",        "{",     "}",  ";",    "\n",     " ",        " 60:32",
-      "song",      " 0x",           " -1",   "#",  ",",    ":",      "stream",   " none",
-      " distance", " 999999999999", "bytes", "\t", "leds", " play,", " straight"};
+      "drive",        "script",        "{",     "}",  ";",    "\n",     " ",         " 60:32",
+      "song",         " 0x",           " -1",   "#",  ",",    ":",      "stream",    " none",
+      " distance",    " 999999999999", "bytes", "\t", "leds", " play,", " straight", "tune",
+      " 0 x:b=120:c,"};
   std::size_t good = 0;
   for (int i = 0; i < 100000; ++i) {
     std::string text;
     for (auto n = random() % 12; n > 0; --n) text += pieces[random() % pieces.size()];
-    if (encode_with_room(text, random() % 40).error.empty()) ++good;
+    const Beyond beyond = i % 2 == 0 ? Beyond::nothing : Beyond::manual;
+    if (encode_with_room(text, random() % 40, beyond).error.empty()) ++good;
   }
   EXPECT_GT(good, 1000U);
 }

@@ -71,6 +71,16 @@ Text commands(const Bytes& bytes) {
 Text stream(const Bytes& bytes) {
   return collected(bytes, [](auto data, const auto& tell) { return describe_stream(data, tell); });
 }
+Text extended_commands(const Bytes& bytes) {
+  return collected(bytes, [](auto data, const auto& tell) {
+    return describe_commands(data, tell, kCreateWithExtensions);
+  });
+}
+Text extended_stream(const Bytes& bytes) {
+  return collected(bytes, [](auto data, const auto& tell) {
+    return describe_stream(data, tell, kCreateWithExtensions);
+  });
+}
 Text reply(const std::vector<PacketId>& packets, const Bytes& bytes) {
   return collected(
       bytes, [&](auto data, const auto& tell) { return describe_reply(packets, data, tell); });
@@ -107,6 +117,29 @@ TEST(DescribeCommands, NamesValues) {
                         "255 s/64 (3.984 s)\n"));
 }
 
+TEST(DescribeCommands, NamesOpcodesOfOtherRobots) {
+  EXPECT_EQ(commands({173}).lines,
+            "0+1 ! 173 is not a command of this robot, which ignores it; the Create 2 and Roombas "
+            "have it: Stop\n");
+  EXPECT_THAT(commands({133}).lines, HasSubstr("have it: Power"));
+  EXPECT_THAT(commands({200}).lines, HasSubstr("200 is not a command; the robot ignores it"));
+  EXPECT_THAT(commands({142, 45}).lines,
+              HasSubstr("! packet 45: out of range; 0 to 42, or a name such as charging_state. "
+                        "The Create 2 has it: Light Bumper\n"));
+}
+
+TEST(DescribeCommands, KnowsExtensionsIfAsked) {
+  EXPECT_EQ(commands({7}).lines,
+            "0+1 ! 7 is not a command of the manual, only of some robots: restarts the robot\n");
+  EXPECT_EQ(extended_commands({7, 8}).lines,
+            "0+1 Soft Reset, not in the manual: restarts the robot\n"
+            "1+1 Firmware Date, not in the manual: asks for the date of the firmware\n");
+  const Text query = extended_commands({149, 2, 43, 44});
+  EXPECT_THAT(query.lines, HasSubstr("2+1 packet 43 raw_left_count\n"));
+  EXPECT_EQ(query.described.unsound, 0U);
+  EXPECT_EQ(extended_commands({142, 45}).described.unsound, 1U);
+}
+
 TEST(DescribeCommands, LooksIntoScripts) {
   EXPECT_EQ(commands({152, 5, 158, 5, 158, 251, 153}).lines,
             "0+1 Script (OI p. 15)\n"
@@ -124,8 +157,8 @@ TEST(DescribeCommands, LooksIntoScripts) {
 }
 
 TEST(DescribeCommands, MarksWhatTheManualDoesNotHave) {
-  EXPECT_EQ(commands({7, 131}).lines,
-            "0+1 ! 7 is not a command; the robot ignores it\n1+1 Safe (OI p. 7)\n1+1 safe\n");
+  EXPECT_EQ(commands({9, 131}).lines,
+            "0+1 ! 9 is not a command; the robot ignores it\n1+1 Safe (OI p. 7)\n1+1 safe\n");
   const Text drive = commands({137, 2, 88, 0, 0, 131});
   EXPECT_EQ(drive.lines,
             "0+1 Drive (OI p. 9)\n"
@@ -235,6 +268,47 @@ TEST(DescribeStream, MarksNoValueThatARobotSends) {
   EXPECT_EQ(text.described.unsound, 0U);
 }
 
+TEST(DescribeStream, NamesAFrameOfTheCreate2) {
+  const Text text = stream(frame_around({43, 1, 2, 35, 2, 45, 7}));
+  EXPECT_EQ(text.lines,
+            "0+1 header of a stream frame (OI p. 14)\n"
+            "1+1 7 bytes up to the checksum\n"
+            "2+1 ! packet 43 Left Encoder Counts of the Create 2 or a Roomba; this robot has none\n"
+            "3+2 258\n"
+            "5+1 packet 35 OI Mode\n"
+            "6+1 oi_mode 2 (safe)\n"
+            "7+1 ! packet 45 Light Bumper of the Create 2 or a Roomba; this robot has none\n"
+            "8+1 7\n"
+            "9+1 checksum, right with the header counted, as robots send it\n");
+  EXPECT_THAT(stream(Bytes{1, 2} + frame_around({58, 1})).lines, HasSubstr("packet 58 Stasis"));
+  EXPECT_THAT(stream(frame_around(Bytes{107} + Bytes(9, 0))).lines,
+              HasSubstr("3+9 9 bytes of data\n"));
+}
+
+TEST(DescribeStream, NamesAFrameOfAnUnknownRobotWhereAFrameBegins) {
+  const Bytes unknown = frame_around({35, 2, 90, 1, 2, 3});
+  const std::string expected =
+      "4+1 ! packet 90 of neither this robot nor the Create 2: where it ends is not known\n"
+      "5+3 3 bytes of data\n";
+  EXPECT_THAT(stream(unknown).lines, HasSubstr(expected));
+  EXPECT_THAT(stream(Bytes{1} + unknown).lines, Not(HasSubstr("packet 90")));
+  EXPECT_THAT(stream(frame_around({35, 2, 90})).lines, HasSubstr("packet 90 of neither"));
+  Bytes damaged = unknown;
+  damaged.back() ^= 1U;
+  EXPECT_THAT(stream(damaged).lines, Not(HasSubstr("packet 90")));
+}
+
+TEST(DescribeStream, KnowsExtensionsIfAsked) {
+  const Text frame = extended_stream(frame_around({43, 1, 2}));
+  EXPECT_THAT(frame.lines, HasSubstr("3+2 raw_left_count 258\n"));
+  EXPECT_EQ(frame.described.unsound, 0U);
+  const auto date = firmware_date_answer({7, 9, 24, 18, 5});
+  const Bytes answer{date.begin(), date.end()};
+  EXPECT_EQ(extended_stream(answer).lines,
+            "0+7 answer to opcode 8: firmware of 2007-09-24 18:05\n");
+  EXPECT_THAT(stream(answer).lines, Not(HasSubstr("firmware")));
+}
+
 TEST(DescribeStream, CoversAnyBytes) {
   std::mt19937 random{7};
   for (int i = 0; i < 20000; ++i) {
@@ -242,6 +316,8 @@ TEST(DescribeStream, CoversAnyBytes) {
     for (std::uint8_t& byte : bytes)
       byte = static_cast<std::uint8_t>(random() % 4 == 0 ? 19 : random() % 45);
     (void)stream(bytes);
+    (void)extended_stream(bytes);
+    (void)extended_commands(bytes);
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
     (void)stream(bytes);
   }

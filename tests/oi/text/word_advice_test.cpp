@@ -120,7 +120,7 @@ TEST(StopWord, StopsTheWheels) {
 TEST(StopWord, FitsTheRoomThatIsStated) {
   std::string text = "stop";
   for (int i = 0; i < 20; ++i) text += ";stop";
-  std::vector<std::uint8_t> bytes(most_bytes(text.size()));
+  std::vector<std::uint8_t> bytes(most_bytes(text));
   EXPECT_EQ(encode_text(text, bytes).bytes, bytes.size());
 }
 
