@@ -20,7 +20,7 @@ int encode(const CLI::App& command, bool binary) {
     print_error(text.failure().message);
     return kFailure;
   }
-  const auto bytes = encode_or_explain(*text);
+  const auto bytes = encode_or_explain(*text, oi::Beyond::manual);
   if (!bytes) return kFailure;
   if (!binary) {
     fmt::print("{:02x}\n", fmt::join(*bytes, " "));
@@ -42,11 +42,13 @@ void add_encode(CLI::App& app, Action& chosen) {
   auto binary = std::make_shared<bool>(false);
   CLI::App* command =
       app.add_subcommand("encode", "Print the bytes of Open Interface commands, in hexadecimal.");
-  take_operands(
-      *command, "TEXT...",
-      "the manual's command names in lower case with underscores, arguments left before "
-      "right,\ncommands separated by ';'. `stop` is drive_direct 0 0. Without TEXT, or with '-': "
-      "standard input.");
+  take_operands(*command, "TEXT...",
+                "the manual's command names in lower case with underscores, arguments left before "
+                "right,\ncommands separated by ';'. `stop` is drive_direct 0 0, `tune SLOT RTTTL` "
+                "makes songs "
+                "of a ring tone\n(docs/protocol.md), `bytes` takes any bytes. Without TEXT, or "
+                "with '-': standard "
+                "input.");
   command->add_flag("--binary", *binary, "Write the raw bytes instead");
   command->footer(
       "Examples:\n"
@@ -54,6 +56,8 @@ void add_encode(CLI::App& app, Action& chosen) {
       "  cargobay encode 'safe; drive_direct 100 100; leds play,advance 0 255'\n"
       "  cargobay encode stream distance angle oi_mode\n"
       "  cargobay encode 'song 0 c4:32 rest:16 64:32'\n"
+      "  cargobay encode 'tune 0 name:d=4,o=5,b=120:8c,8e_,g.'\n"
+      "  cargobay encode 'bytes 142 100'\n"
       "  cargobay encode 'script { drive 300 straight; wait_distance 400; drive 0 0 }'");
   command->callback([binary, command, &chosen] {
     chosen = [binary, command] { return encode(*command, *binary); };

@@ -166,11 +166,128 @@ TEST_F(SendTool, SaysWhenAScriptIsDeaf) {
 }
 
 TEST_F(SendTool, StopsTheWheelsAfterAFailure) {
-  // Deaf for so long that no reply comes in time.
-  EXPECT_THAT(error_of({"start; safe; drive 200 straight; script { wait_time 7 }; play_script; "
-                        "sensors 35"}),
-              HasSubstr("stopped the wheels\ncargobay: error: the robot does not answer"));
+  EXPECT_THAT(error_of({"start; safe; drive 200 straight; firmware_date"}),
+              HasSubstr("stopped the wheels\ncargobay: error: the robot did not answer"));
   EXPECT_TRUE(stopped());
+}
+
+TEST_F(SendTool, WaitsForAScriptNoLongerThanTheDuration) {
+  EXPECT_THAT(error_of({"--duration", "0.5",
+                        "start; safe; drive 200 straight; script { wait_event play_button }; "
+                        "play_script; sensors 35"}),
+              HasSubstr("the robot has not answered since it began the script"));
+}
+
+TEST_F(SendTool, WaitsWhileAScriptWaits) {
+  const Outcome outcome =
+      send({"start; full; script { drive 300 straight; wait_distance 60; drive 0 0 }; play_script; "
+            "sensors distance"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, StartsWith(" 19  Distance"));
+  EXPECT_THAT(outcome.error, HasSubstr("the script waits, and the robot is deaf until"));
+  EXPECT_THAT(outcome.error, Not(HasSubstr("stopped the wheels"))) << "the script did";
+  EXPECT_FALSE(turning());
+}
+
+TEST_F(SendTool, SaysHowLongTheScriptWaitsAndEndsWithIt) {
+  const Outcome outcome =
+      send({"start; safe; script { drive 200 straight; wait_time 7; drive 0 0; wait_time 1 }; "
+            "play_script"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(outcome.error,
+            "cargobay: the script waits for 0.8 s, and the robot is deaf meanwhile; waiting for "
+            "it\n");
+  EXPECT_FALSE(turning());
+  EXPECT_GT(server_->snapshot().truth.pose.x_mm, 50.0);
+}
+
+TEST_F(SendTool, StopsWhatAScriptLeavesTurning) {
+  const Outcome outcome = send(
+      {"--duration", "1", "start; safe; script { wait_time 2; drive 200 straight }; play_script"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
+  EXPECT_FALSE(turning());
+}
+
+TEST_F(SendTool, LeavesAScriptThatWaitsIfASignalComes) {
+  ToolProcess process{with_port(
+      "send", {"start; safe; script { wait_event play_button }; play_script; sensors 7"})};
+  ASSERT_TRUE(eventually([&process] {
+    return process.printed_so_far().find("the script waits") != std::string::npos;
+  }));
+  process.send_signal(SIGINT);
+  EXPECT_EQ(process.wait().code, 128 + SIGINT);
+}
+
+TEST_F(SendTool, SendsRawBytes) {
+  const Outcome outcome = send({"start; bytes 142 7; bytes 173; sensors 35"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, StartsWith("  7  Bumps and Wheel Drops"));
+  EXPECT_THAT(outcome.out, HasSubstr(" 35  OI Mode "));
+  EXPECT_EQ(server_->snapshot().device.unknown_opcodes, 1U);
+}
+
+TEST_F(SendTool, StopsWhatRawBytesMayHaveStarted) {
+  // A velocity out of range.
+  const Outcome outcome = send({"--duration", "0.1", "start; full; bytes 137 2 88 128 0"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
+  EXPECT_TRUE(stopped());
+}
+
+TEST_F(SendTool, ShowsWhatAnswersRawBytes) {
+  // A packet that the manual does not have, in a list: the robot answers for the ones before it.
+  EXPECT_THAT(send({"start; bytes 149 2 35 200"}).out, HasSubstr("answer: 01"));
+}
+
+TEST_F(SendTool, SaysThatARobotDoesNotKnowAnExtension) {
+  EXPECT_THAT(error_of({"start; firmware_date"}), HasSubstr("did not answer firmware_date"));
+}
+
+TEST_F(SendTool, RefusesWhatARestartedRobotWouldIgnore) {
+  EXPECT_THAT(error_of({"start; soft_reset; safe"}),
+              HasSubstr("the robot is in off mode and would ignore safe; put 'start;' before it"));
+}
+
+TEST_F(SendTool, OnlyListens) {
+  EXPECT_EQ(send({"--leave-running", "--listen", "0", "start; stream oi_mode"}).code, 0);
+  const std::uint64_t commands = server_->snapshot().device.commands;
+  const Outcome outcome = send({"--listen", "0.3"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr("oi_mode 1 (passive)\n"));
+  EXPECT_EQ(server_->snapshot().device.commands, commands);
+  EXPECT_EQ(server_->snapshot().device.unknown_opcodes, 0U);
+}
+
+TEST_F(SendTool, SaysThatNothingArrived) {
+  const Outcome outcome = send({"--listen", "0.2"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.error, HasSubstr("nothing arrived in 0.2 s at 57600 baud"));
+}
+
+TEST_F(SendTool, PrintsTextAndOtherBytesWhileItListens) {
+  ToolProcess process{with_port("send", {"--listen", "60"})};
+  const auto prints = [&process](const std::string& line) {
+    return eventually([&] { return process.printed_so_far().find(line) != std::string::npos; });
+  };
+  // Again and again: it may not be listening yet.
+  EXPECT_TRUE(eventually([&] {
+    server_->with_device([](hal::sim::Device& device) { device.print("\x81\x02\x03"); });
+    return process.printed_so_far().find("bytes: 81 02 03") != std::string::npos;
+  }));
+  server_->with_device([](hal::sim::Device& device) { device.print("bl-start\r\n"); });
+  EXPECT_TRUE(prints("text: bl-start\n"));
+  process.send_signal(SIGTERM);
+  EXPECT_EQ(process.wait().code, 128 + SIGTERM);
+}
+
+TEST_F(SendTool, StoresATuneInSeveralSlots) {
+  std::string tune = "tune 3 scale:d=8,o=5,b=120:c";
+  for (int i = 1; i < 18; ++i) tune += ",d";
+  const Outcome outcome = send({"start; safe; " + tune + "; play 4; sensors song_number"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr(" 4\n"));
+  EXPECT_THAT(outcome.error, HasSubstr("play 3 (4.00 s), then play 4 (0.50 s)"));
 }
 
 TEST_F(SendTool, EndsAtOnceWhenTheWheelsStandStill) {

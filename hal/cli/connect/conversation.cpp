@@ -56,6 +56,7 @@ bool Conversation::listen(rt::Duration duration) {
   while (!hung_up_ && port_.now() < until && !interrupted()) {
     const Wait woken = port_.wait(std::min<rt::TimePoint>(until, port_.now() + kSlice));
     if (woken == Wait::hung_up) hung_up_ = true;
+    if (woken == Wait::timed_out) print_bytes();
     if (woken != Wait::ready) continue;
     const hal::ByteStream::Transfer transfer = port_.read(bytes);
     for (const std::uint8_t byte : std::span{bytes}.first(transfer.count)) take(byte);
@@ -65,12 +66,28 @@ bool Conversation::listen(rt::Duration duration) {
 }
 
 void Conversation::take(std::uint8_t byte) {
+  if (bytes_shown_) unexplained_.push_back(byte);
   for (auto outcome = decoder_.push(byte); outcome != oi::StreamDecoder::Outcome::nothing;
        outcome = decoder_.next()) {
     if (outcome == oi::StreamDecoder::Outcome::frame && frames_shown_)
       print_frame(decoder_.frame());
+    if (outcome == oi::StreamDecoder::Outcome::frame) unexplained_.clear();
   }
   take_text();
+  constexpr std::size_t kMost = 64;
+  if (unexplained_.size() >= kMost) print_bytes();
+}
+
+void Conversation::print_bytes() {
+  if (unexplained_.empty()) return;
+  if (std::ranges::all_of(unexplained_, oi::is_text) && unexplained_.size() >= kLeastText) {
+    end_text();  // a line whose end has not come
+  } else {
+    fmt::print("bytes: {:02x}\n", fmt::join(unexplained_, " "));
+    std::fflush(stdout);
+    line_.clear();
+  }
+  unexplained_.clear();
 }
 
 void Conversation::take_text() {
@@ -90,7 +107,10 @@ void Conversation::take_text() {
 }
 
 void Conversation::end_text() {
-  if (line_.size() >= kLeastText) fmt::print("text: {}\n", line_);
+  if (line_.size() >= kLeastText) {
+    fmt::print("text: {}\n", line_);
+    unexplained_.clear();
+  }
   line_.clear();
   std::fflush(stdout);
 }
@@ -118,27 +138,44 @@ void Conversation::settle() {
   }
 }
 
-std::vector<std::uint8_t> Conversation::ask(std::span<const std::uint8_t> request,
-                                            std::size_t reply_bytes) {
-  const bool streaming = streaming_;
-  if (streaming) {
+bool Conversation::begin_question(std::span<const std::uint8_t> request) {
+  if (streaming_) {
     const auto pause = oi::encode(oi::PauseResumeStream{oi::StreamState::pause});
-    if (!send(*pause)) return {};
+    if (!send(*pause)) return false;
   }
   (void)listen(asked_at_ + oi::kTick - port_.now());
-  if (streaming) settle();
+  if (streaming_) settle();
   // A partial frame still in the decoder would take the beginning of the next one for its own rest.
   while (decoder_.abandon() != oi::StreamDecoder::Outcome::nothing) {
   }
   take_text();
-  if (!all_left() || !send(request)) return {};
+  if (!all_left() || !send(request)) return false;
   asked_at_ = port_.now();
+  return true;
+}
+
+bool Conversation::resume_stream() {
+  return !streaming_ || send(*oi::encode(oi::PauseResumeStream{oi::StreamState::resume}));
+}
+
+std::vector<std::uint8_t> Conversation::ask(std::span<const std::uint8_t> request,
+                                            std::size_t reply_bytes) {
+  if (!begin_question(request)) return {};
   std::vector<std::uint8_t> reply = more_reply(reply_bytes);
-  if (streaming && reply.size() == reply_bytes) {
-    const auto resume = oi::encode(oi::PauseResumeStream{oi::StreamState::resume});
-    if (!send(*resume)) return {};
-  }
+  if (reply.size() == reply_bytes && !resume_stream()) return {};
   return reply;
+}
+
+std::vector<std::uint8_t> Conversation::ask_anything(std::span<const std::uint8_t> request) {
+  constexpr std::size_t kMost = 1024;
+  if (!begin_question(request)) return {};
+  std::vector<std::uint8_t> answer;
+  for (;;) {
+    const std::vector<std::uint8_t> more = more_reply(1);
+    if (more.empty() || answer.size() == kMost) break;
+    answer.push_back(more[0]);
+  }
+  return resume_stream() ? answer : std::vector<std::uint8_t>{};
 }
 
 std::vector<std::uint8_t> Conversation::more_reply(std::size_t reply_bytes) {

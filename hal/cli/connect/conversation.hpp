@@ -27,6 +27,9 @@ class Conversation {
   // stream meanwhile, because a reply is not framed and could not be told from it. Waits until
   // 15 ms after the last question: a robot must not be asked more often (OI p. 13).
   std::vector<std::uint8_t> ask(std::span<const std::uint8_t> request, std::size_t reply_bytes);
+  // The same for an answer of unknown length: what has come when the robot falls silent, 1 KiB at
+  // most.
+  std::vector<std::uint8_t> ask_anything(std::span<const std::uint8_t> request);
   // The bytes that follow a reply.
   std::vector<std::uint8_t> more_reply(std::size_t reply_bytes);
   // Takes what comes for this long, or until a signal. False if the port is gone.
@@ -37,8 +40,11 @@ class Conversation {
   void end_text();
 
   void show_frames() { frames_shown_ = true; }
+  // Prints also bytes that are neither frame nor text, when a pause follows them.
+  void show_bytes() { bytes_shown_ = true; }
   void set_streaming(bool streaming) { streaming_ = streaming; }
   bool streaming() const { return streaming_; }
+  std::uint64_t bytes() const { return decoder_.counters().bytes; }
   std::uint64_t frames() const { return decoder_.counters().frames; }
   bool hung_up() const { return hung_up_; }
   // The signal that came, if any.
@@ -53,6 +59,9 @@ class Conversation {
   void take(std::uint8_t byte);
   void take_text();
   void settle();
+  bool begin_question(std::span<const std::uint8_t> request);
+  bool resume_stream();
+  void print_bytes();
   void print_frame(std::span<const std::uint8_t> frame) const;
 
   hal::ByteStream& port_;
@@ -61,7 +70,9 @@ class Conversation {
   oi::TextTail tail_{};
   std::uint64_t text_taken_ = 0;
   std::string line_{};
+  std::vector<std::uint8_t> unexplained_{};  // bytes since the last frame or line
   bool frames_shown_ = false;
+  bool bytes_shown_ = false;
   bool streaming_ = false;
   bool hung_up_ = false;
   bool signals_ignored_ = false;

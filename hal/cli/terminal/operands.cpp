@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "hal/cli/terminal/print.hpp"
-#include "oi/text/command_text.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -81,9 +80,10 @@ hal::Result<std::string> joined_operands(const CLI::App& command) {
   return read_all("-");
 }
 
-std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text) {
+std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text,
+                                                           oi::Beyond beyond) {
   std::vector<std::uint8_t> bytes(oi::most_bytes(text));
-  const oi::TextResult result = oi::encode_text(text, bytes);
+  const oi::TextResult result = oi::encode_text(text, bytes, beyond);
   if (result.error) {
     std::array<char, 512> message{};
     const std::size_t size = oi::format_error(*result.error, text, message);

@@ -9,6 +9,7 @@
 
 #include "hal/file/read_input.hpp"
 #include "hal/result.hpp"
+#include "oi/text/command_text.hpp"
 
 namespace CLI {
 class App;
@@ -24,7 +25,8 @@ hal::Result<std::string> joined_operands(const CLI::App& command);
 
 // The commands' bytes; nothing if the text is wrong or empty: then this has printed an error, with
 // a caret under the place.
-std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text);
+std::optional<std::vector<std::uint8_t>> encode_or_explain(std::string_view text,
+                                                           oi::Beyond beyond);
 
 // Bytes as people write them: `89 ff`, `0x89,0xff`, `89FF`, `[89][ff]`; in decimal 0 to 255, or
 // -128 to -1 for their two's complement.
