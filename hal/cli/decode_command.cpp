@@ -1,6 +1,7 @@
 // `cargobay decode`: what each byte means, of those the host sends and those the robot sends.
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <span>
 
@@ -8,13 +9,16 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/pasted/pasted_bytes.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/packet_list.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "oi/command_table.hpp"
 #include "oi/dialect.hpp"
+#include "oi/extensions.hpp"
 #include "oi/limits.hpp"
+#include "oi/text/create_2.hpp"
 #include "oi/text/describe.hpp"
 
 namespace cargobay::cli {
@@ -26,28 +30,54 @@ struct DecodeOptions {
   std::string from = "guess";
   std::string packets;
   std::string binary;
+  std::string line;
   bool decimal = false;
   bool text_only = false;
+  bool extensions = false;
+
+  const oi::Dialect& dialect() const {
+    return extensions ? oi::kCreateWithExtensions : oi::kCreate;
+  }
 };
 
 enum class Side : std::uint8_t { host, robot };
 
-Side guess(const Bytes& bytes) {
-  const bool command = oi::kCreate.find_command(bytes[0]) != nullptr;
-  return command ? Side::host : Side::robot;
+// Whether anything in the bytes is as a robot sends it: a frame, or the beginning of one, or text.
+bool has_frame_or_text(const Bytes& bytes, const oi::Dialect& dialect) {
+  bool found = false;
+  const auto look = [&found](const oi::Annotation& annotation) {
+    using Kind = oi::Annotation::Kind;
+    found = found || annotation.kind == Kind::header || annotation.kind == Kind::printed ||
+            annotation.kind == Kind::value;
+  };
+  (void)oi::describe_stream(bytes, look, dialect);
+  return found;
 }
 
-hal::Result<Bytes> bytes_of(const CLI::App& command, const DecodeOptions& options) {
+// Of any robot.
+bool is_opcode(std::uint8_t byte) {
+  return oi::kCreate.find_command(byte) != nullptr || oi::find_extension(byte) != nullptr ||
+         !oi::create_2::opcode_name(byte).empty();
+}
+
+Side guess(const Bytes& bytes, const oi::Dialect& dialect) {
+  const bool command =
+      oi::kCreate.find_command(bytes[0]) != nullptr ||
+      (dialect.has_undocumented_opcodes && oi::find_extension(bytes[0]) != nullptr);
+  return !command && has_frame_or_text(bytes, dialect) ? Side::robot : Side::host;
+}
+
+hal::Result<Pasted> bytes_of(const CLI::App& command, const DecodeOptions& options) {
   if (!options.binary.empty()) {
     if (!command.remaining().empty())
       return hal::Failure{"write the bytes, or name a file with --binary; not both"};
     const auto raw = read_all(options.binary);
     if (!raw) return raw.failure();
-    return Bytes(raw->begin(), raw->end());
+    return Pasted{{}, {PastedLine{{}, Bytes(raw->begin(), raw->end())}}};
   }
   const auto text = joined_operands(command);
   if (!text) return text.failure();
-  return read_bytes(*text, options.decimal ? Base::decimal : Base::hexadecimal);
+  return read_pasted(*text, options.decimal ? Base::decimal : Base::hexadecimal);
 }
 
 // `  12  89 ff           what they mean`, over several lines if there are many bytes.
@@ -85,15 +115,15 @@ int describe(const DecodeOptions& options, const Bytes& bytes, Side side) {
   };
   oi::Described described;
   if (!options.packets.empty()) {
-    const auto packets = read_packet_list(options.packets);
+    const auto packets = read_packet_list(options.packets, options.dialect());
     if (!packets) {
       print_error(packets.failure().message);
       return kFailure;
     }
-    described = oi::describe_reply(*packets, bytes, tell);
+    described = oi::describe_reply(*packets, bytes, tell, options.dialect());
   } else {
-    described =
-        side == Side::host ? oi::describe_commands(bytes, tell) : oi::describe_stream(bytes, tell);
+    described = side == Side::host ? oi::describe_commands(bytes, tell, options.dialect())
+                                   : oi::describe_stream(bytes, tell, options.dialect());
   }
   std::fflush(stdout);
   if (described.unsound == 0) return kSuccess;
@@ -104,23 +134,44 @@ int describe(const DecodeOptions& options, const Bytes& bytes, Side side) {
   return kFailure;
 }
 
-int decode(const CLI::App& command, const DecodeOptions& options) {
-  const auto bytes = bytes_of(command, options);
-  if (!bytes) {
-    print_error(bytes.failure().message);
-    return kFailure;
-  }
-  if (bytes->empty()) {
+int decode_line(const Bytes& bytes, const DecodeOptions& options) {
+  if (bytes.empty()) {
     print_error("there are no bytes to decode; write for example: cargobay decode 89 ff 38 01 f4");
     return kFailure;
   }
   Side side = options.from == "robot" || options.from == "stream" ? Side::robot : Side::host;
   if (options.from == "guess" && options.packets.empty()) {
-    side = guess(*bytes);
-    print_remark(side == Side::host ? "read as commands to the robot (--from host)"
-                                    : "read as bytes from the robot (--from robot)");
+    side = guess(bytes, options.dialect());
+    print_remark(side == Side::robot ? "read as bytes from the robot (--from robot)"
+                                     : "read as commands to the robot (--from host)");
+    if (side == Side::host && !is_opcode(bytes[0]))
+      print_remark("if they are the reply to Sensors or Query List, name its packets: --packets");
   }
-  return describe(options, *bytes, side);
+  return describe(options, bytes, side);
+}
+
+int decode(const CLI::App& command, const DecodeOptions& options) {
+  auto pasted = bytes_of(command, options);
+  if (!pasted) {
+    print_error(pasted.failure().message);
+    return kFailure;
+  }
+  if (!pasted->form.empty()) print_remark(fmt::format("the form is that of {}", pasted->form));
+  if (!options.line.empty()) {
+    std::erase_if(pasted->lines, [&](const PastedLine& line) {
+      return line.name.find(options.line) == std::string::npos;
+    });
+  }
+  if (pasted->lines.empty()) return decode_line({}, options);
+  int code = kSuccess;
+  for (const PastedLine& line : pasted->lines) {
+    if (pasted->lines.size() > 1) {
+      std::fflush(stdout);
+      print_remark(fmt::format("line {}:", line.name));
+    }
+    code = std::max(code, decode_line(line.bytes, options));
+  }
+  return code;
 }
 
 }  // namespace
@@ -133,18 +184,28 @@ void add_decode(CLI::App& app, Action& chosen) {
       "reply.\nExit status 1 if bytes are missing, wrong or unknown.");
   take_operands(
       *command, "[HEX...]",
-      "bytes in any usual spelling: 89 ff, 0x89, 89FF38. Without HEX, or with '-': standard "
-      "input.");
+      "bytes in any usual spelling, as pasted: 89 ff, 0x89, 89FF38; dumps of xxd, hexdump, od and\n"
+      "  Wireshark; b'\\x89\\xff' and bytes([137, 255]) of Python, arrays of C; tables of Saleae "
+      "Logic,\n"
+      "  annotations of sigrok and PulseView. Without HEX, or with '-': standard input.");
   command
       ->add_option("--from", options->from,
                    "Who sends the bytes: host (or: command) or robot (or: stream); by default "
-                   "judged by the first byte")
+                   "robot if they have frames or text and do not begin with a command")
       ->check(CLI::IsMember({"host", "command", "robot", "stream"}));
   command->add_option("--packets", options->packets,
                       "The bytes are the reply to Sensors or Query List for these packets");
   command->add_flag("--decimal", options->decimal, "The bytes are written in decimal, 137 255");
   command->add_option("--binary", options->binary,
                       "Read the raw bytes from this file; - for standard input");
+  command->add_option(
+      "--line", options->line,
+      "Only the line or analyser of a logic analyser with this in its name, such as "
+      "TX");
+  command->add_flag(
+      "--extensions", options->extensions,
+      "Of a robot with what the manual does not have: opcodes 7 and 8, packets 43 and "
+      "44");
   command->add_flag("--text", options->text_only,
                     "Print only the text of the commands, for encode");
   command->footer(
@@ -152,7 +213,10 @@ void add_decode(CLI::App& app, Action& chosen) {
       "  cargobay decode 89 ff 38 01 f4\n"
       "  cargobay decode --decimal 19 5 29 2 25 13 0 182\n"
       "  cargobay decode --packets distance,angle 00 10 ff fe\n"
-      "  cargobay decode --from robot --binary log.bin");
+      "  cargobay decode --from robot --binary log.bin\n"
+      "  xxd log.bin | cargobay decode --from robot\n"
+      "  cargobay decode \"b'\\x89\\xff8\\x01\\xf4'\"\n"
+      "  cargobay decode --line TX < uart.csv");
   command->callback([options, command, &chosen] {
     chosen = [options, command] { return decode(*command, *options); };
   });

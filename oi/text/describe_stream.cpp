@@ -98,20 +98,20 @@ class StreamDescriber {
     return 1U + other->size;
   }
   // Length of the frame of another robot that these bytes begin with; 0 if there is none. Its
-  // checksum is right, and its packets fill it, or one is not known: that is believed only where a
-  // frame must begin, since one in 128 wrong places has a right checksum.
+  // checksum is right and its packets fill it. Where a frame must begin one of the two is enough:
+  // one in 128 wrong places has a right checksum.
   std::size_t foreign_frame(Bytes bytes) const {
     if (bytes.size() < kMinFrameBytes || bytes[0] != kFrameHeader) return 0;
     const std::size_t length = bytes[1] + kFrameOverhead;
     if (length < kMinFrameBytes || bytes.size() < length) return 0;
-    if (!checksum_matches(bytes.first(length), Checksum::automatic)) return 0;
+    const bool sum = checksum_matches(bytes.first(length), Checksum::automatic);
     std::size_t at = 2;
     while (at + 1 < length) {
       const std::size_t size = item_size(bytes[at]);
-      if (size == 0) return aligned_ ? length : 0;
+      if (size == 0) return sum && aligned_ ? length : 0;
       at += size;
     }
-    return at + 1 == length ? length : 0;
+    return at + 1 == length && (sum || aligned_) ? length : 0;
   }
 
   bool is_firmware_date(Bytes bytes) const {

@@ -285,6 +285,14 @@ TEST(DescribeStream, NamesAFrameOfTheCreate2) {
               HasSubstr("3+9 9 bytes of data\n"));
 }
 
+TEST(DescribeStream, NamesADamagedFrameOfTheCreate2WhereAFrameBegins) {
+  Bytes damaged = frame_around({43, 1, 2});
+  damaged.back() ^= 1U;
+  EXPECT_THAT(stream(damaged).lines, HasSubstr("Left Encoder Counts of the Create 2"));
+  EXPECT_THAT(stream(damaged).lines, HasSubstr("! wrong checksum"));
+  EXPECT_THAT(stream(Bytes{1} + damaged).lines, Not(HasSubstr("Create 2")));
+}
+
 TEST(DescribeStream, NamesAFrameOfAnUnknownRobotWhereAFrameBegins) {
   const Bytes unknown = frame_around({35, 2, 90, 1, 2, 3});
   const std::string expected =
