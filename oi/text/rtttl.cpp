@@ -107,11 +107,19 @@ class RtttlReader {
   std::size_t section_end(std::size_t begin) const {
     return std::min(text_.find(':', begin), text_.size());
   }
-  // `d=4`, or nothing before another colon.
-  bool is_controls(std::size_t begin) {
+  // `d=4`.
+  bool begins_with_control(std::size_t begin) {
     position_ = begin;
-    if (word().empty()) return peek() == ':';
-    return take('=');
+    return !word().empty() && take('=');
+  }
+  // The same, or between two colons also `d4`, a style, or nothing.
+  bool is_controls(std::size_t begin) {
+    if (begins_with_control(begin)) return true;
+    if (section_end(begin) == text_.size()) return false;
+    position_ = begin;
+    const std::string_view name = word();
+    if (name.empty()) return peek() == ':';
+    return is_style(name) || (name.size() == 1 && is_digit(peek()));
   }
 
   // Divides the text: takes the name, and goes to what follows it. The name may have colons too;
@@ -120,7 +128,10 @@ class RtttlReader {
     const std::size_t colon = section_end(0);
     if (colon == text_.size()) return fail(What::no_colon, colon);
     std::size_t begin = 0;
-    if (!is_controls(0) || is_controls(colon + 1)) {
+    const bool more = section_end(colon + 1) < text_.size();
+    const bool named = more ? !begins_with_control(0) || is_controls(colon + 1)
+                            : slice(text_, 0, colon).find('=') == std::string_view::npos;
+    if (named) {
       begin = colon + 1;
       for (std::size_t next = begin; next <= text_.size(); next = section_end(next) + 1) {
         if (!is_controls(next)) continue;

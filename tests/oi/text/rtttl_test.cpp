@@ -106,6 +106,8 @@ TEST(Rtttl, PassesOverUnknownControls) {
 TEST(Rtttl, ReadsControlsWithoutCommaOrEqualSign) {
   EXPECT_EQ(read("t:d=8 o=5 b=120:c"), "c5:16");
   EXPECT_EQ(read("t:d8,o5,b120,ss:c"), "c5:16");
+  EXPECT_EQ(read(":b120:c"), "c6:32");
+  EXPECT_EQ(read("B52: live:d8,o5,b120:c"), "c5:16");
 }
 
 TEST(Rtttl, NameAndControlsCanBeLeftOut) {
@@ -113,6 +115,8 @@ TEST(Rtttl, NameAndControlsCanBeLeftOut) {
   EXPECT_EQ(read(":d=8,o=5,b=120:c"), "c5:16");
   EXPECT_EQ(read("tune:c"), "c6:61");
   EXPECT_EQ(read(":c"), "c6:61");
+  EXPECT_EQ(read("d=4,b=120:d=8,c"), "c6:16");
+  EXPECT_EQ(read("ss,d=8,b=120:c"), "c6:16");
   RingTone tone;
   ASSERT_FALSE(read_rtttl("d=4:c", tone));
   EXPECT_EQ(tone.name, "");
