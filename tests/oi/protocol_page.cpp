@@ -90,6 +90,49 @@ constexpr std::string_view kCommandNotesText = R"(
   text form writes `no_bump` for that of `bump`. Wait Distance and Wait Angle reset `distance` and `angle`;
   0 is reached at once.
 - A command cut short makes the robot take whatever comes next for its data.
+- In `cargobay encode` and `send`, `bytes 142 100` takes any bytes, whole commands or not.
+)";
+
+constexpr std::string_view kTunesText = R"(
+## Tunes
+
+`tune SLOT RTTTL` in the text of commands stores a ring tone: `tune 0 name:d=4,o=5,b=120:8c,8e_,g.`
+becomes Song commands for slot 0 and the slots after it, sixteen notes each. The robot ignores Play
+while it plays: play each when the one before is over; `cargobay send` says how long they last. A
+tune ends with its command, at `;` or the end of the line. `#` at the beginning of a word begins a
+comment there too, unless it can be a sharp: after a comma or colon, or before one, a dot or an octave.
+
+A ring tone is `name:controls:notes`. White space and case do not matter. Each note begins and ends
+at its exact time, rounded to 1/64 s, so that the tempo does not drift. A note longer than 255/64 s
+becomes several, and one that begins and ends in the same 1/64 s is left out. These forms are read:
+
+| form | example | |
+|---|---|---|
+| note | `8c#6.` | duration, letter `a` to `g`, sharp, octave, dot; all but the letter may be left out |
+| duration | `16c` | 1, 2, 4, 8, 16, 32 or 64: that part of a whole note |
+| octave | `a4` | 440 Hz; what the robot plays is `g1` to `g9` |
+| dot | `8c.6` `8.c6` `8c6.` | half as long again, after the duration, the letter or the octave; one |
+| sharp | `c#` `c_` `#c5` `c5#` | `#` or `_`, before or after the letter, or after the octave |
+| flat | `eb` `bb4` | `b` after the letter |
+| German b | `h` | the same as `b` |
+| rest | `8p` `8r` | an octave after it means nothing |
+| defaults | `d=8,o=5,b=140` | duration, octave, beats a minute; left out: 4, 6, 63 |
+| names in full | `duration=8` `octave=5` `tempo=140` `bpm=140` | the same |
+| unit | `b=140bpm` | |
+| controls without `=` | `d8,o5,b140,ss` | in their own section only, except `o5` and the styles |
+| controls without comma | `d=8 o=5 b=140` | |
+| controls among the notes | `c,d=8,o=6,b=90,e` | from there on |
+| styles, repetitions | `s=c` `ss` `sn` `l=15` | no effect |
+| unknown controls | `v=80` | passed over, up to the comma |
+| no name | `d=4,o=5,b=140:c` `:d=4:c` | |
+| no controls | `name:c` `name::c` | |
+| no colon between controls and notes | `name:d=4,b=140,c,e` | |
+| name with colons | `Mission: Impossible:d=4:c` | controls between two colons end it |
+| comma at the end | `c,e,` | |
+
+What is refused is shown at its place: another duration, a second dot or sharp, an octave that the
+robot does not play, a style that is not `n`, `c` or `s`, two commas, notes without a comma between,
+a text without a colon, and more notes than the slots hold.
 )";
 
 constexpr std::string_view kPacketsText = R"(
@@ -353,13 +396,20 @@ void add_frame_lengths(Page& page) {
 }
 
 void add_extensions(Page& page) {
-  page << "\n## Outside the manual\n\nOff unless asked for (`oi/extensions.hpp`).\n\n"
-       << "| what | |\n|---|---|\n"
-       << "| opcode " << kSoftResetOpcode
-       << " | restarts the robot: 3 s of silence, 4 to 5 s in all; several sources |\n"
-       << "| opcode " << kFirmwareDateOpcode << " | answers with "
-       << static_cast<std::int64_t>(kFirmwareDateBytes)
-       << " bytes: 18, year, month, day, hour, minute, and their exclusive or; one source |\n";
+  page
+      << "\n## Outside the manual\n\nOff unless asked for (`oi/extensions.hpp`): `cargobay sim` "
+         "and "
+         "`decode` have `--extensions`,\n`encode` and `send` know `soft_reset` and "
+         "`firmware_date`. "
+         "`decode` names opcodes and packets of the\nCreate 2 and the Roombas as theirs; this "
+         "robot "
+         "ignores them.\n\n"
+      << "| what | |\n|---|---|\n"
+      << "| opcode " << kSoftResetOpcode
+      << " | `soft_reset`: restarts the robot: 3 s of silence, 4 to 5 s in all; several sources |\n"
+      << "| opcode " << kFirmwareDateOpcode << " | `firmware_date`: answers with "
+      << static_cast<std::int64_t>(kFirmwareDateBytes)
+      << " bytes: 18, year, month, day, hour, minute, and their exclusive or; one source |\n";
   for (const PacketInfo& info : std::span{kPacketsWithRawCounts}.subspan(kPacketCount)) {
     page << "| packet " << info.id << " | `" << info.key << "`: " << info.size
          << " bytes, counts up in both directions and wraps; 7.8324 counts a mm; firmware of "
@@ -378,7 +428,7 @@ std::string protocol_page() {
   page << kCommandNotesText;
   add_value_names(page, "demo", 136);
   add_value_names(page, "event", 158);
-  page << kPacketsText;
+  page << kTunesText << kPacketsText;
   add_packets(page);
   add_bits(page);
   add_states(page);

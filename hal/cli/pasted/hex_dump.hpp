@@ -1,5 +1,5 @@
-// Dumps with offsets: xxd (also -g, -u, -e, -b), hexdump (also -C, -b, -c), od (octal words, -x, -b,
-// -c, -t x1, u1, d1, with z; -A x and d), Wireshark.
+// Dumps with offsets: xxd (also -g, -u, -e, -b), hexdump (also -C, -b, -c), Wireshark, od (octal
+// words, -x, -b, -c, -t x1, u1, d1, with z; -A x and d).
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct Dump {
 };
 
 // Nothing if the text is not such a dump. Offsets are checked against the bytes between them, and
-// `*` is filled in. Three digits a byte can be octal or decimal: `base` decides if nothing else does.
+// `*` is filled in. Three digits can be octal or decimal: `base` decides if nothing else does.
 std::optional<hal::Result<Dump>> read_dump(std::string_view text, Base base);
 
 }  // namespace cargobay::cli
