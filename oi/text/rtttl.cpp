@@ -271,8 +271,8 @@ class RtttlReader {
   }
   bool no_dot() { return peek() != '.' || fail(What::second_dot, position_); }
 
-  // A beat is a quarter, so a whole note lasts 240 s / b. The time since the last change of tempo is
-  // counted in parts_ of 1/64 s, of which a dotted 1/64 note is a whole number.
+  // A beat is a quarter, so a whole note lasts 240 s / b. The time since the last change of tempo
+  // is counted in parts_ of 1/64 s, of which a dotted 1/64 note is a whole number.
   bool sound(const Written& written, Tune& notes) {
     constexpr std::int64_t kWhole = std::int64_t{240} * 64 * 2 * kMaxDivision;
     const std::int64_t half = kWhole / written.division / 2;

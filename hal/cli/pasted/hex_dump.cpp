@@ -281,11 +281,23 @@ class DumpReader {
     if (bytes.size() < wanted && wanted - bytes.size() < kMostOfLine) bytes.resize(wanted, ' ');
   }
 
+  // How many bytes are before this line, by its offset and that of the first line.
+  hal::Result<std::size_t> bytes_before(const DumpLine& line, int base) const {
+    const auto begin = dump_number(lines_.front().offset, base);
+    const auto offset = dump_number(line.offset, base);
+    if (!begin || !offset || *offset < *begin) {
+      return hal::Failure{
+          fmt::format("line {}: '{}' is not the next offset", line.number, line.offset)};
+    }
+    if (*offset - *begin > kMostDumped)
+      return hal::Failure{fmt::format("line {}: the offset is too large", line.number)};
+    return *offset - *begin;
+  }
+
   // All lines one after the other, with offsets in this base.
   hal::Result<Bytes> assemble(const DumpFormat& format, int base) const {
     Bytes bytes;
     Bytes last;
-    std::optional<std::size_t> begin;
     bool starred = false;
     for (const DumpLine& line : lines_) {
       if (line.offset.empty()) {
@@ -294,23 +306,17 @@ class DumpReader {
         starred = true;
         continue;
       }
-      const std::optional<std::size_t> offset = dump_number(line.offset, base);
-      if (!offset || (begin && *offset < *begin))
-        return hal::Failure{
-            fmt::format("line {}: '{}' is not the next offset", line.number, line.offset)};
-      if (!begin) begin = *offset;
-      const std::size_t wanted = *offset - *begin;
-      if (wanted > kMostDumped)
-        return hal::Failure{fmt::format("line {}: the offset is too large", line.number)};
-      while (starred && bytes.size() < wanted) bytes.insert(bytes.end(), last.begin(), last.end());
+      const auto wanted = bytes_before(line, base);
+      if (!wanted) return wanted.failure();
+      while (starred && bytes.size() < *wanted) bytes.insert(bytes.end(), last.begin(), last.end());
       starred = false;
       auto read = values(format, line);
       if (!read) return read.failure();
-      if (format.field != 0) fit_blanks(bytes, wanted);
+      if (format.field != 0) fit_blanks(bytes, *wanted);
       // The end of the dump is in the middle of a word.
-      const bool at_end = read->empty() && bytes.size() - wanted < format.value_bytes;
-      if (at_end && bytes.size() > wanted) bytes.resize(wanted);
-      if (bytes.size() != wanted) {
+      const bool at_end = read->empty() && bytes.size() - *wanted < format.value_bytes;
+      if (at_end && bytes.size() > *wanted) bytes.resize(*wanted);
+      if (bytes.size() != *wanted) {
         return hal::Failure{
             fmt::format("line {}: the offset {} does not fit the {} bytes before it", line.number,
                         line.offset, bytes.size())};
