@@ -11,6 +11,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/pasted/pasted_bytes.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/in_range.hpp"
 #include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/packet_list.hpp"
 #include "hal/cli/terminal/print.hpp"
@@ -31,6 +32,7 @@ struct DecodeOptions {
   std::string packets;
   std::string binary;
   std::string line;
+  std::uint32_t baud = oi::kCreate.default_baud;
   bool decimal = false;
   bool text_only = false;
   bool extensions = false;
@@ -77,7 +79,7 @@ hal::Result<Pasted> bytes_of(const CLI::App& command, const DecodeOptions& optio
   }
   const auto text = joined_operands(command);
   if (!text) return text.failure();
-  return read_pasted(*text, options.decimal ? Base::decimal : Base::hexadecimal);
+  return read_pasted(*text, options.decimal ? Base::decimal : Base::hexadecimal, options.baud);
 }
 
 // `  12  89 ff           what they mean`, over several lines if there are many bytes.
@@ -185,9 +187,10 @@ void add_decode(CLI::App& app, Action& chosen) {
   take_operands(
       *command, "[HEX...]",
       "bytes in any usual spelling, as pasted: 89 ff, 0x89, 89FF38; dumps of xxd, hexdump, od and\n"
-      "  Wireshark; b'\\x89\\xff' and bytes([137, 255]) of Python, arrays of C; tables of Saleae "
+      "  Wireshark; b'\\x89\\xff' and bytes([137, 255]) of Python, arrays of C; CSV of Saleae "
       "Logic,\n"
-      "  annotations of sigrok and PulseView. Without HEX, or with '-': standard input.");
+      "  samples and annotations of sigrok and PulseView. Without HEX, or with '-': standard "
+      "input.");
   command
       ->add_option("--from", options->from,
                    "Who sends the bytes: host (or: command) or robot (or: stream); by default "
@@ -202,6 +205,9 @@ void add_decode(CLI::App& app, Action& chosen) {
       "--line", options->line,
       "Only the line or analyser of a logic analyser with this in its name, such as "
       "TX");
+  command->add_option("--baud", options->baud, "Baud rate of the samples of a logic analyser")
+      ->check(in_range(1.0, 1e7))
+      ->capture_default_str();
   command->add_flag(
       "--extensions", options->extensions,
       "Of a robot with what the manual does not have: opcodes 7 and 8, packets 43 and "

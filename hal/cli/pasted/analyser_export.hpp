@@ -11,7 +11,7 @@
 namespace cargobay::cli {
 
 // Nothing if the text is not such an export. Rows that are not bytes (start bits, errors) are left
-// out; samples that nothing has decoded yet are a failure.
+// out; a table without a column of data is a failure.
 std::optional<hal::Result<Pasted>> read_analyser_export(std::string_view text);
 
 }  // namespace cargobay::cli

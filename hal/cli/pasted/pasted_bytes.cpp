@@ -8,6 +8,7 @@
 
 #include "hal/cli/pasted/analyser_export.hpp"
 #include "hal/cli/pasted/hex_dump.hpp"
+#include "hal/cli/pasted/line_samples.hpp"
 #include "hal/cli/pasted/text_lines.hpp"
 
 namespace cargobay::cli {
@@ -154,9 +155,10 @@ hal::Result<Pasted> one_line(std::string_view form, const hal::Result<Bytes>& by
 
 }  // namespace
 
-hal::Result<Pasted> read_pasted(std::string_view text, Base base) {
+hal::Result<Pasted> read_pasted(std::string_view text, Base base, std::uint32_t baud) {
   if (const auto bytes = PythonReader{text}.read()) return one_line("Python's bytes", *bytes);
   if (const auto bytes = read_c_array(text)) return one_line("an array of C", *bytes);
+  if (const auto samples = read_line_samples(text, baud)) return *samples;
   if (const auto table = read_analyser_export(text)) return *table;
   if (const auto dump = read_dump(text, base)) {
     if (!*dump) return dump->failure();

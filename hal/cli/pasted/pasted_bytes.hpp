@@ -21,9 +21,10 @@ struct Pasted {
   std::vector<PastedLine> lines{};  // more than one only from an analyser
 };
 
-// Takes the forms of read_bytes(), of read_dump() and of read_analyser_export(), literals of Python
-// (b'\x89\xff8', bytes([137, 255])) and arrays of C. An offset is never taken for data; what does
-// not fit together is a failure that names the line. `base` decides where the form does not.
-hal::Result<Pasted> read_pasted(std::string_view text, Base base);
+// Takes the forms of read_bytes(), read_dump(), read_analyser_export() and, at `baud`, of
+// read_line_samples(); literals of Python (b'\x89\xff8', bytes([137, 255])) and arrays of C. An
+// offset is never taken for data; what does not fit together is a failure that names the line.
+// `base` decides where the form does not.
+hal::Result<Pasted> read_pasted(std::string_view text, Base base, std::uint32_t baud);
 
 }  // namespace cargobay::cli
