@@ -11,7 +11,6 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/pasted/pasted_bytes.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
-#include "hal/cli/terminal/in_range.hpp"
 #include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/packet_list.hpp"
 #include "hal/cli/terminal/print.hpp"
@@ -206,7 +205,7 @@ void add_decode(CLI::App& app, Action& chosen) {
       "Only the line or analyser of a logic analyser with this in its name, such as "
       "TX");
   command->add_option("--baud", options->baud, "Baud rate of the samples of a logic analyser")
-      ->check(in_range(1.0, 1e7))
+      ->check(CLI::Range(1U, 10'000'000U))
       ->capture_default_str();
   command->add_flag(
       "--extensions", options->extensions,

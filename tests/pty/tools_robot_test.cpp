@@ -251,6 +251,7 @@ TEST_F(SendTool, RefusesWhatARestartedRobotWouldIgnore) {
 
 TEST_F(SendTool, OnlyListens) {
   EXPECT_EQ(send({"--leave-running", "--listen", "0", "start; stream oi_mode"}).code, 0);
+  ASSERT_TRUE(eventually([this] { return server_->snapshot().device.frames_sent > 0; }));
   const std::uint64_t commands = server_->snapshot().device.commands;
   const Outcome outcome = send({"--listen", "0.3"});
   EXPECT_EQ(outcome.code, 0) << outcome.error;
