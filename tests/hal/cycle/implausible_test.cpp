@@ -28,7 +28,7 @@ std::vector<Event> told_of(const DriveResult& result, EventKind what) {
 }
 
 // With a limit of acceleration that takes 20 s to stop.
-CycleParameters gentle(OnImplausible what = OnImplausible::end) {
+CycleParameters gently(OnImplausible what = OnImplausible::end) {
   CycleParameters parameters{.on_implausible = what};
   parameters.loop.limits.acceleration_mm_s2 = 10.0;
   return parameters;
@@ -123,7 +123,7 @@ TEST(InvoluntaryStops, AreHard) {
     drive.on_frame = [&](int frame, ControlCycle&) {
       if (frame == 1500) miss_left(drive.device, 1.0);
     };
-    return drive.run(2000, forward, gentle());
+    return drive.run(2000, forward, gently());
   }();
   EXPECT_EQ(broken.end, CycleEnd::implausible);
   expect_hard_stop(broken);
@@ -132,7 +132,7 @@ TEST(InvoluntaryStops, AreHard) {
   silent.on_frame = [&](int frame, ControlCycle&) {
     if (frame == 1500) silent.device.faults().stalled_until = silent.device.now() + 20 * oi::kTick;
   };
-  const DriveResult heard = silent.run(1600, forward, gentle());
+  const DriveResult heard = silent.run(1600, forward, gently());
   ASSERT_EQ(told_of(heard, EventKind::silence_began).size(), 1U);
   const auto stop = std::ranges::adjacent_find(
       heard.commands, [](const sim::DriveRecord& former, const sim::DriveRecord& next) {

@@ -169,7 +169,7 @@ Bytes bytes_of(std::string_view hex) {
   return bytes;
 }
 
-void expect_same(const CycleParameters& a, const CycleParameters& b) {
+void expect_same_plant(const CycleParameters& a, const CycleParameters& b) {
   EXPECT_EQ(a.drive_mode, b.drive_mode);
   EXPECT_EQ(a.late_margin, b.late_margin);
   EXPECT_EQ(a.stop_after, b.stop_after);
@@ -185,7 +185,7 @@ void expect_same(const CycleParameters& a, const CycleParameters& b) {
   EXPECT_EQ(a.power.recovered_part, b.power.recovered_part);
 }
 
-void expect_same(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
+void expect_same_plant(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
   EXPECT_EQ(a.lag_s, b.lag_s);
   EXPECT_EQ(a.dead_time_s, b.dead_time_s);
   EXPECT_EQ(a.ramp_s2_mm, b.ramp_s2_mm);
@@ -199,7 +199,7 @@ void expect_same(const rt::PlantEstimate& a, const rt::PlantEstimate& b) {
   EXPECT_EQ(a.weakened, b.weakened);
 }
 
-void expect_same(const rt::LearntPlant& a, const rt::LearntPlant& b) {
+void expect_same_plant(const rt::LearntPlant& a, const rt::LearntPlant& b) {
   EXPECT_EQ(a.lag_s, b.lag_s);
   EXPECT_EQ(a.lag_sd_s, b.lag_sd_s);
   EXPECT_EQ(a.dead_time_s, b.dead_time_s);
@@ -215,7 +215,7 @@ void expect_same(const rt::LearntPlant& a, const rt::LearntPlant& b) {
   EXPECT_EQ(a.moved_s, b.moved_s);
 }
 
-void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parameters& b) {
+void expect_same_plant(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parameters& b) {
   EXPECT_EQ(a.estimator.wheel_base_mm, b.estimator.wheel_base_mm);
   EXPECT_EQ(a.estimator.tick_s, b.estimator.tick_s);
   EXPECT_EQ(a.estimator.likely_lag_s, b.estimator.likely_lag_s);
@@ -224,9 +224,9 @@ void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parame
   EXPECT_EQ(a.estimator.decision_log_odds, b.estimator.decision_log_odds);
   EXPECT_EQ(a.estimator.remainder, b.estimator.remainder);
   ASSERT_EQ(a.estimator.told.has_value(), b.estimator.told.has_value());
-  if (a.estimator.told) expect_same(*a.estimator.told, *b.estimator.told);
+  if (a.estimator.told) expect_same_plant(*a.estimator.told, *b.estimator.told);
   ASSERT_EQ(a.estimator.prior.has_value(), b.estimator.prior.has_value());
-  if (a.estimator.prior) expect_same(*a.estimator.prior, *b.estimator.prior);
+  if (a.estimator.prior) expect_same_plant(*a.estimator.prior, *b.estimator.prior);
   EXPECT_EQ(a.controller.max_command_mm_s, b.controller.max_command_mm_s);
   EXPECT_EQ(a.controller.overshoot_share, b.controller.overshoot_share);
   EXPECT_EQ(a.controller.overshoot_mm_s, b.controller.overshoot_mm_s);
@@ -254,7 +254,7 @@ void expect_same(const rt::WheelLoop::Parameters& a, const rt::WheelLoop::Parame
   EXPECT_EQ(a.feedback, b.feedback);
 }
 
-void expect_same(const CycleState& a, const CycleState& b) {
+void expect_same_plant(const CycleState& a, const CycleState& b) {
   EXPECT_EQ(a.tick, b.tick);
   EXPECT_EQ(a.arrival, b.arrival);
   EXPECT_EQ(a.mode, b.mode);
@@ -268,7 +268,7 @@ void expect_same(const CycleState& a, const CycleState& b) {
   EXPECT_EQ(a.command, b.command);
 }
 
-void expect_same(const Request& a, const Request& b) {
+void expect_same_plant(const Request& a, const Request& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.extras, b.extras);
   EXPECT_EQ(a.when_long, b.when_long);
@@ -290,8 +290,8 @@ TEST(RecordingFormat, GivesBackEveryParameter) {
   EXPECT_EQ(header.started_ns, expected.started_ns);
   EXPECT_EQ(header.software, expected.software);
   EXPECT_EQ(header.note, expected.note);
-  expect_same(header.parameters, expected.parameters);
-  expect_same(header.parameters.loop, expected.parameters.loop);
+  expect_same_plant(header.parameters, expected.parameters);
+  expect_same_plant(header.parameters.loop, expected.parameters.loop);
 }
 
 TEST(RecordingFormat, GivesBackEveryEntry) {
@@ -308,11 +308,11 @@ TEST(RecordingFormat, GivesBackEveryEntry) {
   EXPECT_TRUE(std::ranges::equal(entries[3].bytes, kFrame));
   EXPECT_EQ(entries[3].transfer.count, 3U);
   EXPECT_EQ(entries[3].transfer.error, 11);
-  expect_same(entries[4].request, every_request());
+  expect_same_plant(entries[4].request, every_request());
   EXPECT_TRUE(std::ranges::equal(entries[5].bytes, kCommand));
   EXPECT_EQ(entries[5].transfer.count, 4U);
   EXPECT_EQ(entries[5].transfer.error, 300);
-  expect_same(entries[6].state, every_state());
+  expect_same_plant(entries[6].state, every_state());
   EXPECT_EQ(entries[7].end, CycleEnd::guard_lost);
 }
 
