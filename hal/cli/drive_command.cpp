@@ -310,6 +310,7 @@ hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options
   auto identity = hal::identify(plant.port, hal::serial_ports());
   if (!identity) return identity.failure();
   request.port = std::move(*identity);
+  request.tell = [](const std::string& what) { print_remark(what); };
   request.patience =
       std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{reconnect_s(options)});
   return request;

@@ -1,6 +1,8 @@
 #include "hal/port/port_identity.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 
 #include "hal/port/pty_transport.hpp"
@@ -22,6 +24,30 @@ bool same_adapter(const PortInfo& a, const PortInfo& b) {
 }
 
 bool is_known_adapter(const PortInfo& port) { return port.usb_vendor_id != 0; }
+
+PortInfo adapter_of(const PortIdentity& identity) {
+  return {.usb_serial = identity.usb_serial,
+          .usb_vendor_id = identity.usb_vendor_id,
+          .usb_product_id = identity.usb_product_id};
+}
+
+// "0403:6001"
+std::string model(const PortInfo& port) {
+  std::array<char, 16> text{};
+  (void)std::snprintf(text.data(), text.size(), "%04x:%04x",  // it fits
+                      static_cast<unsigned>(port.usb_vendor_id) & 0xffffU,
+                      static_cast<unsigned>(port.usb_product_id) & 0xffffU);
+  return text.data();
+}
+
+std::string difference(const PortInfo& there, const PortInfo& wanted) {
+  if (!is_known_adapter(there)) return "not a USB adapter";
+  if (model(there) != model(wanted)) return "USB " + model(there) + " instead of " + model(wanted);
+  const auto serial = [](const PortInfo& port) {
+    return port.usb_serial.empty() ? "none" : port.usb_serial;
+  };
+  return "serial number " + serial(there) + " instead of " + serial(wanted);
+}
 
 }  // namespace
 
@@ -47,21 +73,34 @@ Result<PortIdentity> identify(const std::string& path, const std::vector<PortInf
   return identity;
 }
 
-std::optional<std::string> find_port(const PortIdentity& identity,
-                                     const std::function<std::vector<PortInfo>()>& ports) {
+Result<std::string> find_port(const PortIdentity& identity,
+                              const std::function<std::vector<PortInfo>()>& ports) {
+  const Failure gone{identity.path + " is not there",
+                     std::make_error_code(std::errc::no_such_device)};
+  const bool is_there = exists(identity.path);
   if (identity.kind != PortIdentity::Kind::usb) {
-    if (!exists(identity.path)) return std::nullopt;
+    if (!is_there) return gone;
     return identity.path;
   }
   // Listing all ports takes milliseconds, checking for a link microseconds.
-  if (!identity.stable_path.empty() && !exists(identity.stable_path)) return std::nullopt;
-  const PortInfo wanted{.usb_serial = identity.usb_serial,
-                        .usb_vendor_id = identity.usb_vendor_id,
-                        .usb_product_id = identity.usb_product_id};
-  std::vector<PortInfo> alike = ports();
+  const bool linked = identity.stable_path.empty() || exists(identity.stable_path);
+  if (!linked && !is_there) return gone;
+  const PortInfo wanted = adapter_of(identity);
+  const std::vector<PortInfo> all = ports();
+  std::vector<PortInfo> alike = all;
   std::erase_if(alike, [&](const PortInfo& port) { return !same_adapter(port, wanted); });
-  if (alike.size() != 1) return std::nullopt;
-  return alike.front().path;
+  if (alike.size() > 1) {
+    return Failure{std::to_string(alike.size()) + " adapters look like that of " + identity.path +
+                   "; unplug those that are not the robot's"};
+  }
+  if (alike.size() == 1) {
+    if (linked) return alike.front().path;
+    return Failure{identity.stable_path + " is not there yet"};
+  }
+  const auto there = std::ranges::find(all, identity.path, &PortInfo::path);
+  if (there == all.end()) return gone;
+  return Failure{identity.path + " is another adapter: " + difference(*there, wanted) +
+                 "; plug in the robot's, or start again with this one"};
 }
 
 }  // namespace cargobay::hal

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,9 +32,11 @@ struct PortIdentity {
 // the number of a pseudo-terminal, /dev/pts/3: whatever comes back under it may be unrelated.
 Result<PortIdentity> identify(const std::string& path, const std::vector<PortInfo>& ports);
 
-// Where the port is now; nothing if it is not there, or if several look like it: the wrong one
-// would move another robot. Calls `ports` only if needed; blocks as long as that does; allocates.
-std::optional<std::string> find_port(const PortIdentity& identity,
-                                     const std::function<std::vector<PortInfo>()>& ports);
+// Where the port is now. A failure says what is there instead: "/dev/ttyUSB0 is another adapter:
+// serial number 5 instead of 3", or that several look like it: the wrong one would move another
+// robot. Its code is no_such_device only if nothing is there. Calls `ports` only if needed, once;
+// blocks as long as that does; allocates.
+Result<std::string> find_port(const PortIdentity& identity,
+                              const std::function<std::vector<PortInfo>()>& ports);
 
 }  // namespace cargobay::hal

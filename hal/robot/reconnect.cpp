@@ -39,12 +39,23 @@ class Attempts {
  private:
   Result<Reconnection> attempt() {
     const auto path = find_port(request_.port, request_.surroundings.ports);
-    if (!path) return Failure{request_.port.path + " is not there"};
+    if (!path) {
+      tell(path.failure());
+      return path.failure();
+    }
     auto port = request_.surroundings.open(*path, request_.baud);
     if (!port) return port.failure();
     auto robot = Robot::open(std::move(port->stream), robot_);
     if (!robot) return robot.failure();
     return Reconnection{.robot = std::move(*robot), .path = *path, .remark = port->remark};
+  }
+
+  // What is there instead of the port, each once.
+  void tell(const Failure& failure) {
+    const bool gone = failure.code == std::errc::no_such_device;
+    if (gone || failure.message == told_ || !request_.tell) return;
+    told_ = failure.message;
+    request_.tell(told_);
   }
 
   void pause(rt::Duration duration) {
@@ -84,6 +95,7 @@ class Attempts {
   rt::TimePoint until_;
   RobotOptions robot_;
   bool cancelled_ = false;
+  std::string told_{};
   Failure last_failure_{"it did not answer in time"};
 };
 

@@ -44,6 +44,8 @@ struct ReconnectRequest {
   RobotOptions robot{};                              // `cancelled` ends the waiting as well
   rt::Duration patience = std::chrono::seconds{30};  // for everything together
   PortSurroundings surroundings{};
+  // Called with what is there instead of the port, whenever that changes; may be empty.
+  std::function<void(const std::string&)> tell{};
 };
 
 struct Reconnection {

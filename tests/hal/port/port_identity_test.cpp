@@ -18,6 +18,7 @@ namespace cargobay::hal {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 using Kind = PortIdentity::Kind;
 
 PortInfo adapter(const std::string& path, const std::string& serial, int vendor = 0x0403) {
@@ -46,14 +47,17 @@ class PortIdentityTest : public testing::Test {
   }
   std::optional<std::string> find(const PortIdentity& identity,
                                   const std::vector<PortInfo>& ports) {
-    return find_port(identity, [&] {
+    const auto path = find_port(identity, [&] {
       ++times_listed_;
       return ports;
     });
+    why_ = path ? "" : path.failure().message;
+    return path ? std::optional{*path} : std::nullopt;
   }
 
   std::filesystem::path folder_;
   int times_listed_ = 0;
+  std::string why_;  // nothing was found
 };
 
 TEST_F(PortIdentityTest, FollowsAnAdapterToItsNewName) {
@@ -73,6 +77,34 @@ TEST_F(PortIdentityTest, TakesNoOtherAdapterUnderTheOldName) {
   PortInfo other_product = adapter("/dev/ttyUSB0", "A1");
   other_product.usb_product_id = 0x6015;
   EXPECT_EQ(find(it, {other_product}), std::nullopt);
+}
+
+TEST_F(PortIdentityTest, SaysWhatIsThereInstead) {
+  const PortIdentity it = identity("/dev/ttyUSB0", {adapter("/dev/ttyUSB0", "3")});
+  find(it, {});
+  EXPECT_EQ(why_, "/dev/ttyUSB0 is not there");
+  find(it, {adapter("/dev/ttyUSB0", "5")});
+  EXPECT_THAT(why_, StartsWith("/dev/ttyUSB0 is another adapter: serial number 5 instead of 3;"));
+  find(it, {adapter("/dev/ttyUSB0", "")});
+  EXPECT_THAT(why_, HasSubstr("serial number none instead of 3;"));
+  find(it, {adapter("/dev/ttyUSB0", "3", 0x1a86)});
+  EXPECT_THAT(why_, HasSubstr("is another adapter: USB 1a86:6001 instead of 0403:6001;"));
+  find(it, {PortInfo{.path = "/dev/ttyUSB0"}});
+  EXPECT_THAT(why_, HasSubstr("is another adapter: not a USB adapter;"));
+  find(it, {adapter("/dev/ttyUSB0", "3"), adapter("/dev/ttyUSB1", "3")});
+  EXPECT_THAT(why_, HasSubstr("2 adapters look like that of /dev/ttyUSB0"));
+}
+
+// The link under /dev/serial/by-id has the serial number in its name: another adapter has another.
+TEST_F(PortIdentityTest, SaysWhatIsThereInsteadOfAnAdapterWithALink) {
+  PortInfo port = adapter(make("ttyUSB0"), "3");
+  port.stable_path = make("usb-FTDI_3-if00-port0");
+  const PortIdentity it = identity(port.path, {port});
+  std::filesystem::remove(port.stable_path);
+  find(it, {adapter(port.path, "5")});
+  EXPECT_THAT(why_, HasSubstr("is another adapter: serial number 5 instead of 3"));
+  find(it, {port});
+  EXPECT_EQ(why_, port.stable_path + " is not there yet");
 }
 
 TEST_F(PortIdentityTest, FollowsTheOneAdapterOfItsKindThatHasNoSerialNumber) {
