@@ -97,13 +97,34 @@ std::string explain_stack(const Rights& rights, int error) {
   return ": free some memory, or raise the limit of the address space (ulimit -v)";
 }
 
-std::string explain_thread(const Rights& rights) {
-  if (!rights.task_limit) return ": allow more of them (ulimit -u)";
+std::string explain_tasks(const Rights& rights, std::uint64_t limit) {
   const std::string what =
-      ", the control group is at its limit of " + std::to_string(*rights.task_limit) + " tasks: ";
+      ", the control group is at its limit of " + std::to_string(limit) + " tasks: ";
   if (rights.origin == Origin::container)
     return what + "start the container with a higher --pids-limit";
   return what + "raise TasksMax= in the unit (systemctl edit), or end other programs of it";
+}
+
+std::string explain_memory(const Rights& rights, std::uint64_t limit) {
+  const std::string what = ", the control group is at its limit of " + size(limit) + " of memory: ";
+  if (rights.origin == Origin::container)
+    return what + "start the container with a higher --memory";
+  return what + "raise MemoryMax= in the unit (systemctl edit), or end other programs of it";
+}
+
+// The kernel and the C library report too many threads and too little memory by the same number.
+std::string explain_thread(const Rights& rights) {
+  constexpr std::uint64_t kLeastSpace = 1U << 20U;  // less than a thread needs besides its stack
+  if (rights.task_limit) return explain_tasks(rights, *rights.task_limit);
+  if (rights.address_space_left && *rights.address_space_left < kLeastSpace)
+    return ", the address space is used up: raise its limit (ulimit -v)";
+  if (rights.memory_limit) return explain_memory(rights, *rights.memory_limit);
+  if (rights.process_limit) {
+    return ", with a limit of " + std::to_string(*rights.process_limit) +
+           " for all threads of this user: end some, or raise it (ulimit -u)";
+  }
+  return ", though no limit of this user is reached: free some memory, and see how many threads "
+         "the machine has (kernel.threads-max, kernel.pid_max)";
 }
 
 std::string explain_dma_latency(const Rights& rights, int error, const std::string& why) {

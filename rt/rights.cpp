@@ -6,6 +6,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 #include <string>
@@ -97,6 +98,41 @@ std::optional<std::uint64_t> reached_task_limit(const fs::path& root) {
   return std::nullopt;
 }
 
+std::optional<std::uint64_t> nearly_reached_memory_limit(const fs::path& root) {
+  constexpr std::int64_t kNearly = 4L << 20;
+  for (const Group& group : groups(root)) {
+    if (!group.controllers.empty() && !lists(group, "memory")) continue;
+    for (const fs::path& folder : folders(root, group)) {
+      const bool unified = group.controllers.empty();
+      const auto most = number(folder / (unified ? "memory.max" : "memory.limit_in_bytes"));
+      const auto now = number(folder / (unified ? "memory.current" : "memory.usage_in_bytes"));
+      if (most && now && *now >= *most - kNearly) return static_cast<std::uint64_t>(*most);
+    }
+  }
+  return std::nullopt;
+}
+
+// statm, proc(5): its first figure is the size of the address space, in pages.
+std::optional<std::uint64_t> address_space_left(const fs::path& root) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  const auto pages = number(root / "proc/self/statm");
+  if (!pages) return std::nullopt;
+  const std::uint64_t used =
+      static_cast<std::uint64_t>(*pages) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  return limit.rlim_cur - std::min<std::uint64_t>(used, limit.rlim_cur);
+}
+
+// Neither root nor whoever has one of these capabilities is held to it (kernel: copy_process()).
+std::optional<std::uint64_t> process_limit(const Rights& rights) {
+  rlimit limit{};
+  const bool exempt = (getuid() == 0 && !rights.namespaced) ||
+                      rights.has(Capability::sys_resource) || rights.has(Capability::sys_admin);
+  if (exempt || getrlimit(RLIMIT_NPROC, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+    return std::nullopt;
+  return limit.rlim_cur;
+}
+
 bool is_service(const fs::path& root) {
   for (const Group& group : groups(root)) {
     const bool of_systemd = group.controllers.empty() || group.controllers == "name=systemd";
@@ -146,7 +182,10 @@ Rights own_rights(const fs::path& root) {
                 .namespaced = is_namespaced(root),
                 .filtered = is_filtered(root),
                 .no_realtime_budget = lacks_realtime_budget(root),
-                .task_limit = reached_task_limit(root)};
+                .task_limit = reached_task_limit(root),
+                .address_space_left = address_space_left(root),
+                .memory_limit = nearly_reached_memory_limit(root)};
+  rights.process_limit = process_limit(rights);
   rlimit limit{};
   if (getrlimit(RLIMIT_RTPRIO, &limit) == 0) rights.priority_limit = limit.rlim_cur;
   if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)

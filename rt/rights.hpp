@@ -9,7 +9,12 @@
 namespace cargobay::rt {
 
 // As numbered by the kernel (capability.h).
-enum class Capability : std::uint8_t { ipc_lock = 14, sys_nice = 23 };
+enum class Capability : std::uint8_t {
+  ipc_lock = 14,
+  sys_admin = 21,
+  sys_nice = 23,
+  sys_resource = 24
+};
 
 struct Rights {
   // How this process was started, and so where its rights come from.
@@ -21,8 +26,13 @@ struct Rights {
   bool filtered = false;                      // system calls are filtered (seccomp)
   bool no_realtime_budget = false;            // cpu.rt_runtime_us of its control group is 0
   std::optional<std::uint64_t> task_limit{};  // of a control group that has reached it
-  std::uint64_t priority_limit = 0;           // RLIMIT_RTPRIO
-  std::optional<std::uint64_t> lock_limit{};  // RLIMIT_MEMLOCK in bytes; none: unlimited
+  // What is left of its address space in bytes (RLIMIT_AS); none: unlimited.
+  std::optional<std::uint64_t> address_space_left{};
+  // The most memory in bytes that a control group allows, if it is nearly used up.
+  std::optional<std::uint64_t> memory_limit{};
+  std::optional<std::uint64_t> process_limit{};  // RLIMIT_NPROC, if this user is held to it
+  std::uint64_t priority_limit = 0;              // RLIMIT_RTPRIO
+  std::optional<std::uint64_t> lock_limit{};     // RLIMIT_MEMLOCK in bytes; none: unlimited
 
   bool has(Capability capability) const {
     return !namespaced && ((effective >> static_cast<unsigned>(capability)) & 1U) != 0;

@@ -1,7 +1,11 @@
 // What is said about each refusal, depending on where the program runs.
 #include "rt/refusal.hpp"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <cerrno>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -66,7 +70,15 @@ TEST(Refusal, KnowsThatTheRootOfAUserNamespaceIsNone) {
 
 TEST(Refusal, SaysWhyThereIsNoThread) {
   const Refusal none{.right = Right::thread, .error = EAGAIN};
-  EXPECT_THAT(explain(none, {}), HasSubstr("ulimit -u"));
+  EXPECT_THAT(explain(none, {.process_limit = 63}),
+              AllOf(HasSubstr("a limit of 63"), HasSubstr("ulimit -u")));
+  EXPECT_THAT(explain(none, {}), AllOf(HasSubstr("memory"), Not(HasSubstr("ulimit"))));
+  EXPECT_THAT(explain(none, {.address_space_left = 200000, .process_limit = 63}),
+              AllOf(HasSubstr("ulimit -v"), Not(HasSubstr("ulimit -u"))));
+  EXPECT_THAT(explain(none, {.memory_limit = 64 * kMebibyte, .process_limit = 63}),
+              AllOf(HasSubstr("64 MiB of memory"), HasSubstr("MemoryMax")));
+  EXPECT_THAT(explain(none, {.origin = Origin::container, .memory_limit = kMebibyte}),
+              HasSubstr("--memory"));
   EXPECT_THAT(explain(none, {.task_limit = 20}),
               AllOf(HasSubstr("20 tasks"), HasSubstr("TasksMax")));
   EXPECT_THAT(explain(none, {.origin = Origin::container, .task_limit = 20}),
@@ -127,6 +139,33 @@ TEST_F(OwnRights, KnowAGroupWithoutARealtimeBudget) {
   EXPECT_FALSE(own_rights(root_).no_realtime_budget);
   write("sys/fs/cgroup/cpu,cpuacct/user.slice/cpu.rt_runtime_us", "0\n");
   EXPECT_TRUE(own_rights(root_).no_realtime_budget);
+}
+
+TEST_F(OwnRights, KnowAGroupThatHasItsMemory) {
+  write("proc/self/cgroup", "0::/user.slice\n5:memory:/robots\n");
+  EXPECT_EQ(own_rights(root_).memory_limit, std::nullopt);
+  write("sys/fs/cgroup/user.slice/memory.max", "100000000\n");
+  write("sys/fs/cgroup/user.slice/memory.current", "90000000\n");
+  EXPECT_EQ(own_rights(root_).memory_limit, std::nullopt);
+  write("sys/fs/cgroup/user.slice/memory.current", "99999000\n");
+  EXPECT_EQ(own_rights(root_).memory_limit, 100000000U);
+  write("sys/fs/cgroup/user.slice/memory.max", "max\n");
+  write("sys/fs/cgroup/memory/robots/memory.limit_in_bytes", "50000000\n");
+  write("sys/fs/cgroup/memory/robots/memory.usage_in_bytes", "50000000\n");
+  EXPECT_EQ(own_rights(root_).memory_limit, 50000000U);
+}
+
+TEST_F(OwnRights, KnowHowMuchOfTheAddressSpaceIsLeft) {
+  write("proc/self/statm", "10 5 3 1 0 2 0\n");
+  rlimit former{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &former), 0);
+  rlimit wanted = former;
+  wanted.rlim_cur = std::uint64_t{1} << 62U;
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &wanted), 0);
+  const auto left = own_rights(root_).address_space_left;
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &former), 0);
+  const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  EXPECT_EQ(left, (std::uint64_t{1} << 62U) - 10 * page);
 }
 
 TEST_F(OwnRights, KnowAGroupThatHasItsTasks) {

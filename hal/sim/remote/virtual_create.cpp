@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "oi/dialect.hpp"
+#include "rt/refusal.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -18,7 +19,9 @@ Result<std::unique_ptr<VirtualCreate>> VirtualCreate::start(Parameters robot,
   auto server = Server::open(robot, {.priority = priority});
   if (!server) return server.failure();
   if (const std::error_code error = (*server)->start(); error) {
-    return Failure{"cannot start the virtual Create: " + error.message(), error};
+    return Failure{"cannot start the virtual Create: " +
+                       rt::explain({.right = rt::Refusal::Right::thread, .error = error.value()}),
+                   error};
   }
   std::unique_ptr<VirtualCreate> create{new VirtualCreate{std::move(*server)}};
   create->wired_ = wired;
