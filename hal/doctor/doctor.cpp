@@ -249,9 +249,16 @@ Finding rivals(const Examination& examination, std::vector<Task> programs) {
 
 // --- The port ---
 
-Finding reachable(const std::string& port) {
-  if (access(port.c_str(), R_OK | W_OK) == 0)
-    return {"port", Verdict::good, "you may open " + port};
+// By its rights alone: to open it would disturb a drive.
+Finding reachable(const std::string& port, const PortUsers& users) {
+  if (access(port.c_str(), R_OK | W_OK) == 0) {
+    const auto locked = std::ranges::find_if(users.found, &PortUser::locks);
+    if (locked == users.found.end()) return {"port", Verdict::good, "you may open " + port};
+    return {"port", Verdict::advice,
+            "you have the permission to open " + port + ", but not now: " + describe(*locked) +
+                " holds it for itself alone",
+            "wait until it has ended"};
+  }
   if (errno == ENOENT)
     return {"port", Verdict::bad, "there is no " + port,
             "plug the cable in, or list the ports with: cargobay ports"};
@@ -279,8 +286,8 @@ std::optional<Finding> console(const fs::path& root, const std::string& tty) {
 }
 
 // One finding per user. An ordinary user does not see all of them.
-std::vector<Finding> users(const std::string& path, const fs::path& root) {
-  const PortUsers users = find_port_users(path, root);
+std::vector<Finding> describe_users(const std::string& path, const PortUsers& users,
+                                    const fs::path& root) {
   std::vector<Finding> findings;
   findings.reserve(users.found.size());
   for (const PortUser& user : users.found) {
@@ -307,14 +314,15 @@ std::optional<Finding> latency_timer(const fs::path& root, const std::string& tt
 }
 
 std::vector<Finding> port(const Examination& examination, const fs::path& root) {
-  std::vector<Finding> findings{reachable(examination.port)};
+  const PortUsers users = find_port_users(examination.port, root);
+  std::vector<Finding> findings{reachable(examination.port, users)};
   std::error_code error;
   const std::string tty = fs::weakly_canonical(examination.port, error).filename().string();
   for (auto&& finding : {mini_uart(root, tty), console(root, tty), latency_timer(root, tty)}) {
     if (finding) findings.push_back(*finding);
   }
   if (fs::exists(examination.port, error))
-    std::ranges::copy(users(examination.port, root), std::back_inserter(findings));
+    std::ranges::copy(describe_users(examination.port, users, root), std::back_inserter(findings));
   return findings;
 }
 

@@ -204,17 +204,17 @@ PortUsers find_port_users(const std::string& path, const fs::path& root) {
     const auto task = read_task(process);
     if (!task || task->of_kernel || task->id == own) continue;
     Holding holding = look(*port, process);
+    const bool locks = std::ranges::find(locked, task->id) != locked.end();
     if (holding == Holding::unseen) {
       const bool controls =
           !port->is_pty() && task->terminal != 0 && task->terminal == port->terminal();
-      const bool locks = std::ranges::find(locked, task->id) != locked.end();
       if (controls || locks)
         holding = Holding::port;
       else
         ++users.unseen;
     }
     if (holding != Holding::port) continue;
-    const PortUser user{.id = task->id, .name = task->name};
+    const PortUser user{.id = task->id, .name = task->name, .locks = locks};
     if (is_guard_name(task->name))
       guards.emplace_back(task->parent, user);
     else
@@ -263,6 +263,22 @@ std::string remedy(const PortUser& user, const fs::path& root) {
   if (!service.empty() && !service.starts_with("user@"))
     return "end it (sudo systemctl stop " + service + "), or name another port";
   return end + ", or name another port";
+}
+
+std::string path_of(int descriptor) {
+  if (descriptor < 0) return "";
+  std::error_code error;
+  const fs::path path = fs::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
+  return error ? "" : path.string();
+}
+
+std::string others_at(int descriptor) {
+  const std::string path = path_of(descriptor);
+  if (path.empty()) return "";
+  const PortUsers users = find_port_users(path);
+  if (users.found.empty()) return "";
+  return describe(users.found.front()) +
+         " also has the port open and takes bytes from it: " + remedy(users.found.front());
 }
 
 }  // namespace cargobay::hal

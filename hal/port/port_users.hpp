@@ -15,6 +15,7 @@ namespace cargobay::hal {
 struct PortUser {
   pid_t id = 0;
   std::string name{};  // as the kernel stores it: 15 characters at most
+  bool locks = false;  // it has locked the port, as this library does
 };
 
 struct PortUsers {
@@ -39,5 +40,13 @@ std::string describe(const std::vector<PortUser>& users);  // with commas
 // What to do about it, for a user at a command line: one line. Looks at the process once more to
 // find the service that it belongs to.
 std::string remedy(const PortUser& user, const std::filesystem::path& root = "/");
+
+// The path of an open descriptor of this process; empty if it has none.
+std::string path_of(int descriptor);
+
+// "agetty (process 412) also has the port open and takes bytes from it: " and the remedy, for the
+// first of those that have this descriptor's port open; empty if there is none, or no descriptor
+// (-1). Blocks as find_port_users() does.
+std::string others_at(int descriptor);
 
 }  // namespace cargobay::hal

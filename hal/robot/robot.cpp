@@ -4,11 +4,11 @@
 
 #include <cerrno>
 #include <chrono>
-#include <filesystem>
 #include <mutex>
 #include <string>
 #include <utility>
 
+#include "hal/port/port_users.hpp"
 #include "hal/stream/spaced_stream.hpp"
 #include "hal/trouble.hpp"
 #include "oi/stream_budget.hpp"
@@ -180,12 +180,8 @@ std::vector<rt::Memory> Robot::memory_of_loop() const {
 
 // The robot drives without it too.
 void Robot::start_port_watch() {
-  const int descriptor = stream_->terminal().descriptor;
-  if (descriptor < 0) return;
-  std::error_code error;
-  const auto path =
-      std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
-  if (error) return;
+  const std::string path = path_of(stream_->terminal().descriptor);
+  if (path.empty()) return;
   const auto look_up = [this] {
     const FrameCounters frames = cycle_->counters().frames;
     const auto state = cycle_->state();

@@ -1,6 +1,8 @@
 #include "hal/sensing/events.hpp"
 
 #include <array>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 
 #include "hal/port/port_users.hpp"
@@ -78,7 +80,17 @@ std::string because(Hazards hazards) {
 }
 
 std::string describe_user(const Event& event) {
+  if (event.process == 0) {
+    return "another process opens the port now and then, too briefly to be named, and may take "
+           "bytes from it: look for scripts and services that read it (auditctl -w PORT -p r "
+           "records each)";
+  }
   const PortUser user{.id = event.process, .name = event.process_name.data()};
+  if (kill(user.id, 0) != 0 && errno == ESRCH) {
+    return describe(user) +
+           " opened the port for a moment and may have taken bytes from it: find "
+           "out what starts it, a script or a service, and end that";
+  }
   return describe(user) + " also has the port open and may take bytes from it: " + remedy(user);
 }
 

@@ -1,6 +1,7 @@
 // Another process reads the robot's port, unlocked, during a drive.
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -14,13 +15,10 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// A shell that has the port open from the beginning, like a login prompt, and takes some bytes now
-// and then.
+// A shell that takes some bytes now and then.
 class Thief {
  public:
-  explicit Thief(const std::string& port) {
-    std::string script =
-        "exec 3<>" + port + "; while :; do head -c 5 <&3 >/dev/null; sleep 0.05; done";
+  explicit Thief(std::string script) {
     std::string shell = "sh";
     std::string option = "-c";
     char* const words[] = {shell.data(), option.data(), script.data(), nullptr};
@@ -46,10 +44,48 @@ class Thief {
   pid_t process_ = -1;
 };
 
+// It has the port open from the beginning, like a login prompt.
+std::string holding(const std::string& port) {
+  return "exec 3<>" + port + "; while :; do head -c 5 <&3 >/dev/null; sleep 0.05; done";
+}
+
+// It opens the port for as long as reading takes, with a new process each time. Only root can while
+// a drive has the port for itself.
+std::string opening(const std::string& port) {
+  return "while :; do head -c 90 " + port + " >/dev/null; sleep 0.2; done";
+}
+
 class PortSharedTest : public DriveTest {};
 
+TEST_F(PortSharedTest, IsNamedIfItOpensThePortNowAndThen) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root opens a port that another process has";
+  Command command{drive({"--duration", "60"}), kOnTerminal};
+  ASSERT_TRUE(starts_to_move());
+  const Thief thief{opening(port_)};
+  EXPECT_TRUE(eventually([&] {
+    (void)command.running();
+    return command.out().find("head (process ") != std::string::npos;
+  })) << command.out();
+  thief.stop();
+  command.send(SIGINT);
+  (void)command.exit_code();
+  const std::string& out = command.out();
+  EXPECT_EQ(out.find("head (process "), out.rfind("head (process ")) << "once, not each process";
+  EXPECT_TRUE(stands_still());
+}
+
+TEST_F(PortSharedTest, TheDoctorSaysThatADriveHasThePort) {
+  const Command command{drive({"--duration", "60"})};
+  ASSERT_TRUE(starts_to_move());
+  Command doctor{{"doctor", "--port", port_}};
+  EXPECT_EQ(doctor.exit_code(), 1);
+  EXPECT_THAT(doctor.out(), Not(HasSubstr("you may open")));
+  EXPECT_THAT(doctor.out(), HasSubstr("but not now: cargobay (process " +
+                                      std::to_string(command.process()) + ") holds it"));
+}
+
 TEST_F(PortSharedTest, IsNamedWithItsNumberAndARemedy) {
-  const Thief thief{port_};
+  const Thief thief{holding(port_)};
   ASSERT_TRUE(eventually([&] {
     Command doctor{{"doctor", "--port", port_}};
     return doctor.exit_code() == 1 && doctor.out().find(thief.name()) != std::string::npos;

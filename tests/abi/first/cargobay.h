@@ -891,7 +891,8 @@ enum cargobay_event_kind {
   CARGOBAY_EVENT_CONTROL_REFUSED = 13, /**< the control function asked for impossible speeds */
   CARGOBAY_EVENT_BUMP_BEGAN = 14,      /**< `bumps`: the new ones */
   CARGOBAY_EVENT_BUMP_ENDED = 15,      /**< the last of them has ended */
-  CARGOBAY_EVENT_PORT_SHARED = 16, /**< frames are missing, and `process` has the port open too */
+  CARGOBAY_EVENT_PORT_SHARED = 16,     /**< frames are missing, and `process` has the port open too,
+                                        or had it open a moment ago */
   CARGOBAY_EVENT_WHEEL_STUCK = 17, /**< `wheels` draw too much current and do not turn: `finding`,
                                         `overcurrents`, `wanted`, `got`. The loop ends, unless
                                         CARGOBAY_FLAG_DRIVE_ON */
@@ -922,7 +923,7 @@ struct cargobay_event {
   int32_t voltage_mv;    /**< of the battery */
   int32_t charge_mah;    /**< charge of the battery */
   int32_t capacity_mah;  /**< capacity of the battery; 0 with ordinary batteries */
-  int32_t process;       /**< its process ID */
+  int32_t process;       /**< its process ID; 0 if it was too brief to be seen */
   uint32_t wheels;       /**< bits of enum cargobay_wheel: those concerned */
   char process_name[16]; /**< the kernel's name for it, NUL-terminated */
   int32_t finding;       /**< enum cargobay_finding */
