@@ -1,7 +1,6 @@
 #include "hal/bring_up/bring_up.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "hal/bring_up/dialogue.hpp"
 #include "hal/bring_up/rate_probe.hpp"
 #include "hal/guard/farewell.hpp"
+#include "hal/port/port_users.hpp"
 #include "oi/commands.hpp"
 #include "oi/dialect.hpp"
 #include "oi/limits.hpp"
@@ -263,6 +263,7 @@ BringUp::Step BringUp::search() {
     if (baud != wanted_ && probe_.answers(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
+  if (probe_.heard_stranger()) return give_up(BringUpTrouble::silent);
   // Before freeing: freeing a robot at a likely rate sends hundreds of bytes to one at another
   // rate.
   for (const std::uint32_t baud : request_.dialect->baud_rates) {
@@ -272,7 +273,7 @@ BringUp::Step BringUp::search() {
     if (baud != wanted_ && probe_.answers(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
-  return Step::search_deeper;
+  return probe_.heard_stranger() ? give_up(BringUpTrouble::silent) : Step::search_deeper;
 }
 
 BringUp::Step BringUp::search_deeper() {
@@ -303,12 +304,8 @@ BringUp::Step BringUp::search_deepest() {
 
 BringUp::Step BringUp::listen() {
   listened_ = true;
-  for (const std::uint32_t baud : {request_.dialect->default_baud, request_.dialect->brc_baud}) {
-    probe_.set_port(baud);
-    stream_.discard_input();
-    tell("listen", at_baud(baud));
-    if (!talk_.pause(kListenTime)) return Step::failed;
-    probe_.note_silence(baud);
+  for (const std::uint32_t baud : probe_.rates_of_text(*request_.dialect)) {
+    if (!probe_.listen(baud, kListenTime)) return Step::failed;
   }
   return Step::greet;
 }
@@ -381,6 +378,7 @@ Failure BringUp::failure() {
   if (trouble_ == BringUpTrouble::keeps_its_rate) probe_.set_port(report_.found_baud);
   // One that never answered has been told nothing that moves it: it is as it was found.
   const bool as_found = !heard && trouble_ == BringUpTrouble::cancelled;
+  why.others = others_at(stream_.terminal().descriptor);
   const Parting left = as_found ? Parting::standing : farewell(stream_);
   if (request_.left != nullptr) *request_.left = left;
   probe_.set_port(wanted_);

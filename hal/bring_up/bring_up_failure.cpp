@@ -34,16 +34,48 @@ std::string tried(const BringUpFailure& why) {
   return text;
 }
 
-std::string no_answer(const BringUpFailure& why) {
-  const auto& heard = why.heard;
-  const auto text =
-      std::ranges::find_if(heard, [](const HeardAt& at) { return at.heard.is_text(); });
-  if (text != heard.end()) {
-    return "the robot sends text at " + std::to_string(text->baud) + " baud (" +
-           text->heard.last_line + ") and answers nothing" + tried(why) +
+std::string quoted(std::uint32_t baud, std::string line) {
+  while (line.ends_with(' ')) line.pop_back();
+  return " at " + std::to_string(baud) + " baud (" + line + ")";
+}
+
+// The first for which `is` holds; null if there is none.
+const HeardAt* first(const BringUpFailure& why, bool (Heard::*is)() const) {
+  const auto at =
+      std::ranges::find_if(why.heard, [is](const HeardAt& each) { return (each.heard.*is)(); });
+  return at == why.heard.end() ? nullptr : &*at;
+}
+
+// Text or an echo; empty if there was neither.
+std::string what_sends(const BringUpFailure& why) {
+  if (const HeardAt* const robot = first(why, &Heard::is_robots_text)) {
+    return "the robot sends text" + quoted(robot->baud, robot->heard.known_line) +
+           " and answers nothing" + tried(why) +
            ": it is charging or switched off; press its power button, and unplug the charger to "
            "drive";
   }
+  if (const HeardAt* const other = first(why, &Heard::is_strangers_text)) {
+    return std::string{describe(other->heard.source)} + " is at this port and no robot: it sends" +
+           quoted(other->baud, other->heard.known_line) +
+           "; find the robot's port with: cargobay ports, or plug its cable in here";
+  }
+  if (const HeardAt* const echo = first(why, &Heard::is_echo)) {
+    return "what is sent at " + std::to_string(echo->baud) +
+           " baud comes back, and no robot answers: TX and RX are connected to each other, by a "
+           "loopback plug or a short circuit, or a device that echoes is there; connect them to "
+           "the robot";
+  }
+  if (const HeardAt* const text = first(why, &Heard::is_text)) {
+    return "something sends text" + quoted(text->baud, text->heard.last_line) +
+           " that is not the robot's, and answers nothing" + tried(why) +
+           "; find the robot's port with: cargobay ports, or plug its cable in here";
+  }
+  return "";
+}
+
+std::string no_answer(const BringUpFailure& why) {
+  const auto& heard = why.heard;
+  if (std::string sender = what_sends(why); !sender.empty()) return sender;
   if (why.charging) {
     return "the robot is silent at " + rates(why) + tried(why) +
            ", and charging according to its pin 13; press its power button, and check TX and RX";
@@ -108,11 +140,19 @@ Trouble code_of(BringUpTrouble trouble) {
   return Trouble::silent;
 }
 
+// Who else takes the bytes that were missed.
+std::string others(const BringUpFailure& why) {
+  const bool bytes_missed = why.trouble == BringUpTrouble::silent ||
+                            why.trouble == BringUpTrouble::keeps_its_rate ||
+                            why.trouble == BringUpTrouble::stream_ended;
+  return bytes_missed && !why.others.empty() ? ". " + why.others : "";
+}
+
 }  // namespace
 
 Failure explain(const BringUpFailure& why) {
   const std::string step = why.step.empty() ? "" : " at step " + why.step;
-  return {"bring-up failed" + step + ": " + text(why), code_of(why.trouble)};
+  return {"bring-up failed" + step + ": " + text(why) + others(why), code_of(why.trouble)};
 }
 
 Failure too_long(const oi::StreamList& packets, std::uint32_t baud, const oi::Dialect& dialect) {

@@ -45,6 +45,7 @@ struct BringUpFailure {
   bool pulses_played = false;
   bool toggled = false;
   std::error_code pin_error{};
+  std::string others{};       // as others_at() says it
 };
 
 // One line: the step, what was heard, what to check.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "hal/guard/farewell.hpp"
 #include "hal/stream/spaced_stream.hpp"
 #include "oi/dialect.hpp"
 #include "oi/stream_budget.hpp"
@@ -17,6 +16,7 @@ constexpr milliseconds kSlice{20};  // a cancellation is noticed within this tim
 constexpr milliseconds kSettle{50};
 constexpr std::size_t kLongestLine = 60;
 constexpr std::size_t kLeastLine = 4;  // fewer characters may be damage by chance
+constexpr std::size_t kMostUnreturned = 1024;
 
 bool is_printable(std::uint8_t byte) { return byte >= 0x20 && byte < 0x7f; }
 
@@ -34,8 +34,16 @@ bool carries(std::span<const std::uint8_t> frame, const oi::StreamList& packets,
 
 }  // namespace
 
+void Dialogue::write(std::span<const std::uint8_t> bytes) {
+  (void)write_all(stream_, bytes);
+  const std::size_t room = kMostUnreturned - std::min(unreturned_.size(), kMostUnreturned);
+  const auto kept = bytes.first(std::min(room, bytes.size()));
+  unreturned_.insert(unreturned_.end(), kept.begin(), kept.end());
+}
+
 void Dialogue::resynchronise() {
-  (void)complete_command(stream_, oi::kLongestRest);  // as send()
+  constexpr std::array<std::uint8_t, oi::kLongestRest> kZeros{};
+  write(kZeros);
   pause(sending_time(oi::kLongestRest, stream_.baud()) + kSettle);
 }
 
@@ -54,18 +62,39 @@ std::span<const std::uint8_t> Dialogue::take(TimePoint deadline) {
   return bytes;
 }
 
+// A byte that was lost on the way back, or came from elsewhere, does not end an echo.
+void Dialogue::note_echo(std::uint8_t byte) {
+  if (byte == 0) return;
+  ++heard_.nonzero;
+  const auto same = std::ranges::find(unreturned_, byte);
+  if (same == unreturned_.end()) return;
+  ++heard_.echoed;
+  unreturned_.erase(unreturned_.begin(), same + 1);
+}
+
+void Dialogue::note_source(TextSource source) {
+  if (source == TextSource::unknown) return;
+  heard_.source = source;
+  heard_.known_line = line_;
+}
+
 void Dialogue::note(std::span<const std::uint8_t> bytes) {
   heard_.bytes += bytes.size();
   for (const std::uint8_t byte : bytes) {
+    note_echo(byte);
     const bool ends_line = byte == '\r' || byte == '\n';
     if (is_printable(byte) || ends_line) ++heard_.printable;
     if (is_printable(byte)) {
       if (line_.size() < kLongestLine) line_.push_back(static_cast<char>(byte));
       continue;
     }
-    if (ends_line && line_.size() >= kLeastLine) heard_.last_line = line_;
+    if (ends_line && line_.size() >= kLeastLine) {
+      heard_.last_line = line_;
+      note_source(text_source(line_));
+    }
     line_.clear();
   }
+  note_source(prompt_source(line_));
 }
 
 bool Dialogue::wait_until(TimePoint deadline) {

@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "gpio/pulse_player.hpp"
+#include "hal/bring_up/text_source.hpp"
 #include "hal/stream/byte_stream.hpp"
 #include "hal/stream/write_all.hpp"
 #include "oi/command_table.hpp"
@@ -25,10 +27,25 @@ namespace cargobay::hal {
 struct Heard {
   std::size_t bytes = 0;
   std::size_t printable = 0;
+  std::size_t nonzero = 0;
+  std::size_t echoed = 0;   // of those, what was sent, in the same order
   std::string last_line{};  // the last whole line of text, up to 60 characters of it
+  // The last line whose source is known; a prompt counts though it has not ended.
+  TextSource source = TextSource::unknown;
+  std::string known_line{};
 
-  // Mostly text, and a line of it: what a robot prints while it charges or is switched off.
-  bool is_text() const { return !last_line.empty() && printable * 4 > bytes * 3; }
+  // Mostly text, and a line of it.
+  bool is_text() const { return !last_line.empty() && mostly(printable, bytes); }
+  // What a robot prints while it charges or is switched off.
+  bool is_robots_text() const { return source == TextSource::robot; }
+  // Something else is at the other end, and it is known what.
+  bool is_strangers_text() const { return is_stranger(source) && mostly(printable, bytes); }
+  // What was sent comes back. Zeros prove nothing: a frame is full of them.
+  bool is_echo() const { return echoed >= kLeastEcho && mostly(echoed, nonzero); }
+
+ private:
+  static constexpr std::size_t kLeastEcho = 4;  // fewer may be chance
+  static constexpr bool mostly(std::size_t part, std::size_t all) { return part * 4 > all * 3; }
 };
 
 // What frames of one list reported.
@@ -50,7 +67,7 @@ class Dialogue final : public gpio::PulseClock {
   // noticed by the silence.
   template <typename Command>
   void send(const Command& command) {
-    if (const auto bytes = oi::encode(command)) (void)write_all(stream_, *bytes);
+    if (const auto bytes = oi::encode(command)) write(*bytes);
   }
   // Completes any command that was cut short, and waits until the zeros have gone through.
   void resynchronise();
@@ -70,12 +87,18 @@ class Dialogue final : public gpio::PulseClock {
   bool cancelled() const { return was_cancelled_; }
   bool over() const { return hung_up_ || was_cancelled_; }
   const Heard& heard() const { return heard_; }
-  void forget() { heard_ = {}; }
+  void forget() {
+    heard_ = {};
+    unreturned_.clear();
+  }
 
  private:
   // What has arrived by the deadline, or within a short while; empty if nothing did.
   std::span<const std::uint8_t> take(TimePoint deadline);
+  void write(std::span<const std::uint8_t> bytes);
   void note(std::span<const std::uint8_t> bytes);
+  void note_echo(std::uint8_t byte);
+  void note_source(TextSource source);
 
   ByteStream& stream_;
   const oi::Dialect& dialect_;
@@ -84,6 +107,7 @@ class Dialogue final : public gpio::PulseClock {
   bool was_cancelled_ = false;
   Heard heard_{};
   std::string line_{};
+  std::deque<std::uint8_t> unreturned_{};  // what was sent and has not come back
   std::array<std::uint8_t, 256> bytes_{};
 };
 

@@ -1,6 +1,7 @@
 #include "hal/bring_up/rate_probe.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 
 #include "hal/guard/farewell.hpp"
@@ -87,6 +88,22 @@ void RateProbe::set_port(std::uint32_t baud) {
   (void)stream_.set_baud(baud);  // a port that cannot set it is silent at that rate
 }
 
+std::vector<std::uint32_t> RateProbe::rates_of_text(const oi::Dialect& dialect) const {
+  constexpr std::array<std::uint32_t, 4> kOfOthers{115200, 9600, 4800, 38400};
+  std::vector<std::uint32_t> rates{dialect.default_baud, dialect.brc_baud};
+  if (heard_noise()) rates.insert(rates.end(), kOfOthers.begin(), kOfOthers.end());
+  return rates;
+}
+
+bool RateProbe::listen(std::uint32_t baud, rt::Duration duration) {
+  set_port(baud);
+  stream_.discard_input();
+  tell_("listen", at_baud(baud));
+  const bool goes_on = talk_.pause(duration);
+  note_silence(baud);
+  return goes_on;
+}
+
 void RateProbe::note_silence(std::uint32_t baud) {
   heard_.push_back({.baud = baud, .heard = talk_.heard()});
   talk_.forget();
@@ -94,6 +111,19 @@ void RateProbe::note_silence(std::uint32_t baud) {
 
 bool RateProbe::heard_text() const {
   return std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_text(); });
+}
+
+bool RateProbe::heard_stranger() const {
+  const bool robot =
+      std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_robots_text(); });
+  return !robot && std::ranges::any_of(heard_, [](const HeardAt& at) {
+    return at.heard.is_strangers_text() || at.heard.is_echo();
+  });
+}
+
+bool RateProbe::heard_noise() const {
+  return !heard_text() && !heard_stranger() &&
+         std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.bytes > 0; });
 }
 
 }  // namespace cargobay::hal

@@ -13,6 +13,7 @@
 #include "hal/bring_up/dialogue.hpp"
 #include "hal/stream/byte_stream.hpp"
 #include "oi/commands.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::hal {
 
@@ -40,11 +41,21 @@ class RateProbe {
   bool answers_freed(std::uint32_t baud);
   void set_port(std::uint32_t baud);
 
+  // The rates at which to listen for text: those at which the robot prints it and, if something was
+  // heard that is no text at these, those at which others do.
+  std::vector<std::uint32_t> rates_of_text(const oi::Dialect& dialect) const;
+  // Asks nothing, and notes what comes. False if the dialogue is over.
+  bool listen(std::uint32_t baud, rt::Duration duration);
+
   // What was heard at each rate that did not answer.
   const std::vector<HeardAt>& heard() const { return heard_; }
   void note_silence(std::uint32_t baud);
   // It is off, booting or charging, and its text shows the rate.
   bool heard_text() const;
+  // What is there is not the robot: its text is known, or it echoes.
+  bool heard_stranger() const;
+  // Bytes, but neither text nor an echo.
+  bool heard_noise() const;
   // It answered only after its command had been completed.
   bool freed() const { return freed_; }
   // As its answer said; 0 if it did not.
