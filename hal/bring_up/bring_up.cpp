@@ -45,6 +45,7 @@ class BringUp {
   BringUp(ByteStream& stream, const BringUpRequest& request)
       : stream_{stream},
         request_{request},
+        pins_{request.pins, stream},
         talk_{stream, request.cancelled, *request.dialect},
         wanted_{stream.baud()},
         began_{stream.now()},
@@ -90,12 +91,11 @@ class BringUp {
     return Step::failed;
   }
   bool pulses_wanted() const {
-    return request_.pins.brc != nullptr && wanted_ == request_.dialect->brc_baud &&
-           pulse_tries_ < kMostTries;
+    return pins_.has_brc() && wanted_ == request_.dialect->brc_baud && pulse_tries_ < kMostTries;
   }
   bool toggle_left() const {
     // A robot that is on would be switched off.
-    return request_.pins.power_toggle != nullptr && toggles_ < kMostToggles && known_on_ != true;
+    return pins_.has_power_toggle() && toggles_ < kMostToggles && known_on_ != true;
   }
   bool verify_pulsed();
   bool widths_good(const gpio::PlayReport& report) const;
@@ -106,13 +106,11 @@ class BringUp {
       request_.progress(
           {.time = stream_.now() - began_, .step = step_, .detail = std::move(detail)});
   }
-  std::optional<Level> look(gpio::Input* pin) const {
-    return pin == nullptr ? std::nullopt : pin->level();
-  }
   Failure failure();
 
   ByteStream& stream_;
   const BringUpRequest& request_;
+  BoundPins pins_;
   Dialogue talk_;
   std::uint32_t wanted_;
   rt::TimePoint began_;
@@ -153,7 +151,8 @@ BringUp::Step BringUp::take(Step step) {
 // Terminates: each way back to an earlier step is counted and limited.
 Result<BringUpReport> BringUp::run() {
   stream_.discard_input();
-  Step step = Step::check_power;
+  pin_error_ = pins_.release();
+  Step step = pin_error_ ? give_up(BringUpTrouble::pin_failed) : Step::check_power;
   while (step != Step::done && step != Step::failed) step = take(step);
   if (step == Step::failed || talk_.over()) return failure();
   report_.took = stream_.now() - began_;
@@ -163,7 +162,7 @@ Result<BringUpReport> BringUp::run() {
 }
 
 BringUp::Step BringUp::check_power() {
-  const std::optional<Level> level = look(request_.pins.power_sense);
+  const std::optional<Level> level = pins_.power_sense();
   if (!level) return Step::greet;
   known_on_ = *level == Level::high;
   tell("power", *known_on_ ? "on" : "off");
@@ -175,16 +174,16 @@ BringUp::Step BringUp::power_on() {
   ++toggles_;
   tell("power on", "toggle: low, high, low");
   const gpio::PlayReport played =
-      gpio::play(gpio::power_toggle(), *request_.pins.power_toggle, talk_, Level::low);
+      gpio::play(gpio::power_toggle(), *pins_.power_toggle(), talk_, Level::low);
   powered_at_ = stream_.now();
   pin_error_ = played.line_error;
   if (pin_error_) return give_up(BringUpTrouble::pin_failed);
-  if (request_.pins.power_sense != nullptr) {
+  if (pins_.has_power_sense()) {
     const rt::TimePoint limit = stream_.now() + kIndicatorTimeout;
-    while (look(request_.pins.power_sense) != Level::high && stream_.now() < limit) {
+    while (pins_.power_sense() != Level::high && stream_.now() < limit) {
       if (!talk_.pause(milliseconds{10})) return Step::failed;
     }
-    known_on_ = look(request_.pins.power_sense) == Level::high;
+    known_on_ = pins_.power_sense() == Level::high;
     if (!*known_on_) return toggle_left() ? Step::power_on : give_up(BringUpTrouble::stays_off);
   }
   report_.powered_on = true;
@@ -225,7 +224,7 @@ BringUp::Step BringUp::pulse() {
   tell("BRC pulses", "three of " + milliseconds_text(gpio::kBrcWidth));
   const auto train = gpio::brc_pulses();
   if (!train) return give_up(BringUpTrouble::pin_failed);
-  report_.brc = gpio::play(*train, *request_.pins.brc, talk_, Level::high);
+  report_.brc = gpio::play(*train, *pins_.brc(), talk_, Level::high);
   pin_error_ = report_.brc.line_error;
   if (pin_error_) return give_up(BringUpTrouble::pin_failed);
   talk_.forget();
@@ -369,10 +368,11 @@ Failure BringUp::failure() {
                      .heard = probe_.heard(),
                      .wanted_mode = request_.mode,
                      .mode = last_.mode,
-                     .charging = look(request_.pins.charging) == Level::high,
+                     .charging = pins_.charging() == Level::high,
                      .pulses_played = report_.brc.count > 0,
                      .toggled = toggles_ > 0,
-                     .pin_error = pin_error_};
+                     .pin_error = pin_error_,
+                     .pins_of_port = request_.pins.any_of_port()};
   const bool heard = report_.found_baud != 0;
   if (!heard) probe_.set_port(wanted_);  // the rate that was tried last may be slow
   if (trouble_ == BringUpTrouble::keeps_its_rate) probe_.set_port(report_.found_baud);

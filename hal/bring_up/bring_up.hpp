@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "gpio/pin.hpp"
 #include "gpio/pulse_player.hpp"
+#include "hal/bring_up/robot_pins.hpp"
 #include "hal/guard/farewell.hpp"
 #include "hal/result.hpp"
 #include "hal/stream/byte_stream.hpp"
@@ -20,14 +20,6 @@
 #include "oi/dialect.hpp"
 
 namespace cargobay::hal {
-
-// The robot's pins besides its serial port; null if not wired. Borrowed for the call.
-struct RobotPins {
-  gpio::Output* brc = nullptr;           // pin 15 of the cargo bay, 5 of the mini-DIN; high at rest
-  gpio::Output* power_toggle = nullptr;  // pin 3; low at rest
-  gpio::Input* power_sense = nullptr;    // switched 5 V, pin 8: high while the robot is on
-  gpio::Input* charging = nullptr;       // pin 13: high while it charges
-};
 
 struct BringUpEvent {
   rt::Duration time{0};  // since the beginning

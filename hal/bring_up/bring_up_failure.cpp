@@ -93,6 +93,12 @@ std::string no_answer(const BringUpFailure& why) {
          "a level shifter? A robot waiting in a script is deaf: switch it off and on";
 }
 
+std::string no_port_pin(std::error_code error) {
+  return "RTS or DTR of the port cannot be set (" + error.message() +
+         "): a pseudo-terminal has none, and some adapters lead neither out; use one that does, or "
+         "wire the pin to a GPIO line";
+}
+
 std::string text(const BringUpFailure& why) {
   switch (why.trouble) {
     case BringUpTrouble::silent: return no_answer(why);
@@ -103,6 +109,7 @@ std::string text(const BringUpFailure& why) {
       return "the power toggle did not switch the robot on: its power indicator stays low; check "
              "the wiring of pins 3 and 8, their polarity, and the battery";
     case BringUpTrouble::pin_failed:
+      if (why.pins_of_port) return no_port_pin(why.pin_error);
       return "the GPIO line cannot be set: " + why.pin_error.message() +
              "; is its chip still there?";
     case BringUpTrouble::keeps_its_rate:

@@ -45,6 +45,7 @@ struct BringUpFailure {
   bool pulses_played = false;
   bool toggled = false;
   std::error_code pin_error{};
+  bool pins_of_port = false;  // RTS or DTR is one of the pins
   std::string others{};       // as others_at() says it
 };
 

@@ -1,4 +1,4 @@
-// The GPIO lines that lead to the robot's pins.
+// The lines that lead to the robot's pins: of a GPIO chip, or of the port itself.
 #pragma once
 
 #include <memory>
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "gpio/line.hpp"
-#include "hal/bring_up/bring_up.hpp"
+#include "hal/bring_up/robot_pins.hpp"
 #include "hal/result.hpp"
 
 namespace cargobay::hal {
@@ -18,6 +18,8 @@ struct PinSetting {
   gpio::Bias bias = gpio::Bias::as_is;
 
   bool wired() const { return !address.line.empty(); }
+  // The line "rts" or "dtr" without a chip is that output of the robot's own port.
+  std::optional<ByteStream::ModemLine> modem_line() const;
 };
 
 struct PinSettings {
@@ -33,17 +35,22 @@ struct OpenPins {
   std::unique_ptr<gpio::Output> power_toggle{};
   std::unique_ptr<gpio::Input> power_sense{};
   std::unique_ptr<gpio::Input> charging{};
+  std::optional<PortPin> brc_of_port{};
+  std::optional<PortPin> power_toggle_of_port{};
 
   // Valid as long as this object.
   RobotPins pins() const {
     return {.brc = brc.get(),
             .power_toggle = power_toggle.get(),
             .power_sense = power_sense.get(),
-            .charging = charging.get()};
+            .charging = charging.get(),
+            .brc_of_port = brc_of_port,
+            .power_toggle_of_port = power_toggle_of_port};
   }
 };
 
-// Opens those that are wired. After a failure none is held. Blocks for a few ms; allocates.
+// Opens those that are wired to a GPIO chip; those of the port are only noted. After a
+// failure none is held. Blocks for a few ms; allocates.
 Result<OpenPins> open_pins(const PinSettings& settings);
 
 }  // namespace cargobay::hal

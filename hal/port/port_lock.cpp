@@ -43,6 +43,18 @@ std::error_code PortLock::hand_over(int descriptor) {
   return {};
 }
 
+std::error_code PortLock::keep_modem_lines() {
+  found_.c_cflag &= ~static_cast<tcflag_t>(HUPCL);
+  termios settings{};
+  if (tcgetattr(descriptor(), &settings) != 0) return last_error();
+  if ((settings.c_cflag & HUPCL) == 0) return {};
+  const std::optional<std::uint32_t> speed = tty_speed(descriptor());
+  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);
+  if (tcsetattr(descriptor(), TCSANOW, &settings) != 0) return last_error();
+  // As in the destructor.
+  return speed ? set_tty_speed(descriptor(), *speed) : std::error_code{};
+}
+
 // A user's own terminal, named by mistake, can then be typed on again.
 PortLock::~PortLock() {
   if (!ours_ || !still_open()) return;

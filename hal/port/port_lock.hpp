@@ -34,6 +34,9 @@ class PortLock {
   bool still_open() const noexcept { return descriptor_.still_open(); }
   const termios& found() const { return found_; }
   std::optional<std::uint32_t> found_speed() const { return found_speed_; }
+  // RTS and DTR keep their levels when the last descriptor of the port is closed, also after the
+  // port is set as it was found: a pin of the robot hangs on one of them.
+  [[nodiscard]] std::error_code keep_modem_lines();
   // For a library that opens the port itself: no longer locked, until hand_over(). libserialport
   // locks by flock() too, from 0.1.2 on, and our lock would be in its way.
   void let_go() const;

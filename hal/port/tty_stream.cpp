@@ -84,6 +84,14 @@ std::error_code TtyStream::set_wake_threshold(std::size_t bytes) {
   return set_tty_speed(descriptor_, baud_);
 }
 
+std::error_code TtyStream::set_modem_line(ModemLine line, bool asserted) {
+  if (!still_open()) return {EBADF, std::generic_category()};
+  int bits = line == ModemLine::rts ? TIOCM_RTS : TIOCM_DTR;
+  if (ioctl(descriptor_, asserted ? TIOCMBIS : TIOCMBIC, &bits) != 0)
+    return {errno, std::generic_category()};
+  return lock_ ? lock_->keep_modem_lines() : std::error_code{};
+}
+
 void TtyStream::discard_input() {
   if (still_open()) tcflush(descriptor_, TCIFLUSH);
 }

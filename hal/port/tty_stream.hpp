@@ -23,6 +23,7 @@ class TtyStream : public ByteStream {
   std::uint32_t baud() const override { return baud_; }
   std::error_code set_baud(std::uint32_t baud) override;
   std::error_code set_wake_threshold(std::size_t bytes) override;
+  std::error_code set_modem_line(ModemLine line, bool asserted) override;
   void discard_input() override;
   bool drain(rt::Duration timeout) override;
   void sleep(rt::Duration duration) override;

@@ -68,6 +68,15 @@ class ByteStream {
   virtual void discard_input() = 0;
   // Blocks until all that was written has left, or until `timeout` has passed (false).
   [[nodiscard]] virtual bool drain(rt::Duration timeout) = 0;
+  // Sets an output of the port that a pin of the robot may be wired to. Asserted is 0 V at a TTL
+  // cable. From the first call on, the port keeps the level when it is closed. After an error, such
+  // as ENOTTY of a pseudo-terminal, which has none, nothing has changed.
+  enum class ModemLine : std::uint8_t { rts, dtr };
+  [[nodiscard]] virtual std::error_code set_modem_line(ModemLine line, bool asserted) {
+    (void)line;
+    (void)asserted;
+    return std::make_error_code(std::errc::inappropriate_io_control_operation);
+  }
   // Lets `duration` pass on this stream's clock; what arrives meanwhile is kept.
   virtual void sleep(rt::Duration duration) = 0;
 };

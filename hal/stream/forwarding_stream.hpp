@@ -27,6 +27,9 @@ class ForwardingStream : public ByteStream {
   std::error_code set_wake_threshold(std::size_t bytes) override {
     return stream_.set_wake_threshold(bytes);
   }
+  std::error_code set_modem_line(ModemLine line, bool asserted) override {
+    return stream_.set_modem_line(line, asserted);
+  }
   void discard_input() override { stream_.discard_input(); }
   bool drain(rt::Duration timeout) override { return stream_.drain(timeout); }
   void sleep(rt::Duration duration) override { stream_.sleep(duration); }

@@ -27,12 +27,14 @@
 #include "hal/port/low_latency.hpp"
 #include "hal/port/open_port.hpp"
 #include "hal/port/port_lock.hpp"
+#include "hal/port/pty_transport.hpp"
 #include "hal/port/tty_speed.hpp"
 
 namespace {
 
 struct ModemLines {
   bool there = true;
+  int asserted = TIOCM_RTS | TIOCM_DTR;  // as the kernel opens a port
   int serial_flags = 0;
   bool serial_settings = true;  // the driver knows TIOCSSERIAL
 } modem;
@@ -63,12 +65,19 @@ int __wrap_ioctl(int descriptor, unsigned long request, ...) {
   switch (request) {
     case TIOCMGET:
       if (!modem.there) break;
-      *static_cast<int*>(argument) = 0;
+      *static_cast<int*>(argument) = modem.asserted;
       return 0;
     case TIOCMSET:
+      if (!modem.there) break;
+      modem.asserted = *static_cast<int*>(argument);
+      return 0;
     case TIOCMBIS:
+      if (!modem.there) break;
+      modem.asserted |= *static_cast<int*>(argument);
+      return 0;
     case TIOCMBIC:
       if (!modem.there) break;
+      modem.asserted &= ~*static_cast<int*>(argument);
       return 0;
     case TIOCGSERIAL:
       if (!modem.serial_settings) break;
@@ -218,6 +227,47 @@ TEST_F(SerialTransport, LeavesThePortAsItWasFound) {
   ioctl(slave_, TIOCGEXCL, &exclusive);
   EXPECT_EQ(exclusive, 0);
   EXPECT_TRUE(open_serial(path_, 57600)) << "and free";
+}
+
+// A pin of the robot may hang on one of them.
+TEST_F(SerialTransport, SetsRtsAndDtrAndLeavesThemWhenItCloses) {
+  using ModemLine = ByteStream::ModemLine;
+  termios hanging_up = settings();
+  hanging_up.c_cflag |= HUPCL;
+  ASSERT_EQ(tcsetattr(slave_, TCSANOW, &hanging_up), 0);
+  {
+    const auto port = open_port(path_, 57600);
+    ASSERT_TRUE(port) << port.failure().message;
+    ASSERT_FALSE(port->stream->set_modem_line(ModemLine::rts, false));
+    EXPECT_EQ(modem.asserted, TIOCM_DTR);
+    ASSERT_FALSE(port->stream->set_modem_line(ModemLine::dtr, false));
+    ASSERT_FALSE(port->stream->set_modem_line(ModemLine::rts, true));
+    EXPECT_EQ(modem.asserted, TIOCM_RTS);
+    ASSERT_FALSE(port->stream->set_baud(19200));
+    EXPECT_EQ(modem.asserted, TIOCM_RTS) << "another rate changes neither";
+    EXPECT_EQ(tty_speed(slave_), 19200U);
+  }
+  EXPECT_EQ(modem.asserted, TIOCM_RTS);
+  EXPECT_EQ(settings().c_cflag & static_cast<tcflag_t>(HUPCL), 0U)
+      << "the kernel would release both at the last close";
+}
+
+TEST_F(SerialTransport, LeavesRtsAndDtrAloneIfNothingHangsOnThem) {
+  termios hanging_up = settings();
+  hanging_up.c_cflag |= HUPCL;
+  ASSERT_EQ(tcsetattr(slave_, TCSANOW, &hanging_up), 0);
+  {
+    ASSERT_TRUE(open_port(path_, 57600));
+  }
+  EXPECT_EQ(modem.asserted, TIOCM_RTS | TIOCM_DTR);
+  EXPECT_NE(settings().c_cflag & static_cast<tcflag_t>(HUPCL), 0U) << "as it was found";
+}
+
+TEST_F(SerialTransport, SaysThatAPortHasNeitherRtsNorDtr) {
+  const auto port = open_pty(pty_, 57600);
+  ASSERT_TRUE(port) << port.failure().message;
+  modem.there = false;
+  EXPECT_TRUE((*port)->set_modem_line(ByteStream::ModemLine::rts, false));
 }
 
 TEST_F(SerialTransport, AsksTheDriverForLowLatency) {

@@ -16,8 +16,7 @@ constexpr const char* kPinGroup = "Pins";
 
 void add_line(CLI::App& command, const std::string& name, LineOptions& line,
               const std::string& what) {
-  CLI::Option* number =
-      command.add_option("--" + name + "-line", line.line, what + ": line by offset or name");
+  CLI::Option* number = command.add_option("--" + name + "-line", line.line, what);
   number->group(kPinGroup);
   // A chip without a line means that the line was forgotten.
   command.add_option("--" + name + "-chip", line.chip, "GPIO chip of that line, by label or name")
@@ -68,10 +67,15 @@ hal::LearntPlace learnt_place(const LearntOptions& options, const hal::Config& c
 }
 
 void add_pin_options(CLI::App& command, PinOptions& options) {
-  add_line(command, "brc", options.brc, "To the Baud Rate Change pin");
-  add_line(command, "power", options.power, "To the power control toggle");
-  add_line(command, "power-sense", options.power_sense, "From the switched 5 V: high while on");
-  add_line(command, "charging", options.charging, "From the charging pin");
+  add_line(
+      command, "brc", options.brc,
+      "To the Baud Rate Change pin: line by offset or name; or rts or dtr, of the port itself");
+  add_line(
+      command, "power", options.power,
+      "To the power control toggle: line by offset or name; or rts or dtr, of the port itself");
+  add_line(command, "power-sense", options.power_sense,
+           "From the switched 5 V, high while on: line by offset or name");
+  add_line(command, "charging", options.charging, "From the charging pin: line by offset or name");
   command
       .add_flag("--active-low", options.active_low,
                 "The BRC line goes through an inverter, such as a transistor to ground")

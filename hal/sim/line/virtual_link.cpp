@@ -134,6 +134,12 @@ std::error_code VirtualLink::set_wake_threshold(std::size_t bytes) {
   return {};
 }
 
+std::error_code VirtualLink::set_modem_line(ModemLine line, bool asserted) {
+  if (!modem_line_) return ByteStream::set_modem_line(line, asserted);
+  modem_line_(line, asserted);
+  return {};
+}
+
 bool VirtualLink::drain(rt::Duration timeout) {
   const rt::Duration deadline = cable_.now() + timeout;
   const bool in_time = cable_.sent_at() <= deadline;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "hal/sim/line/cable.hpp"
 #include "hal/sim/line/virtual_time.hpp"
@@ -39,12 +40,18 @@ class VirtualLink final : public ByteStream {
   std::uint32_t baud() const override { return cable_.host_baud(); }
   [[nodiscard]] std::error_code set_baud(std::uint32_t baud) override;
   [[nodiscard]] std::error_code set_wake_threshold(std::size_t bytes) override;
+  // Fails until on_modem_line() has said what hangs on the lines.
+  [[nodiscard]] std::error_code set_modem_line(ModemLine line, bool asserted) override;
   void discard_input() override { cable_.discard(); }
   [[nodiscard]] bool drain(rt::Duration timeout) override;
   void sleep(rt::Duration duration) override { advance(duration); }
 
   // Lets time pass without reading.
   void advance(rt::Duration period);
+  // Called with each change of RTS and DTR: a USB cable whose outputs lead to pins of the robot.
+  void on_modem_line(std::function<void(ModemLine line, bool asserted)> wire) {
+    modem_line_ = std::move(wire);
+  }
   // The other side goes away, for this link permanently.
   void hang_up() { hung_up_ = true; }
   Cable& cable() { return cable_; }
@@ -61,6 +68,7 @@ class VirtualLink final : public ByteStream {
   std::optional<Wait> over() const;
 
   Cable cable_;
+  std::function<void(ModemLine line, bool asserted)> modem_line_{};
   std::size_t wake_threshold_ = 1;
   bool hung_up_ = false;
 
