@@ -14,7 +14,6 @@
 #include "hal/guard/farewell.hpp"
 #include "hal/port/port_users.hpp"
 #include "oi/commands.hpp"
-#include "oi/dialect.hpp"
 #include "oi/limits.hpp"
 #include "oi/stream_budget.hpp"
 
@@ -151,8 +150,10 @@ BringUp::Step BringUp::take(Step step) {
 // Terminates: each way back to an earlier step is counted and limited.
 Result<BringUpReport> BringUp::run() {
   stream_.discard_input();
-  pin_error_ = pins_.release();
-  Step step = pin_error_ ? give_up(BringUpTrouble::pin_failed) : Step::check_power;
+  if (const std::error_code error = pins_.release())
+    return explain(
+        {.trouble = BringUpTrouble::pin_failed, .pin_error = error, .pins_of_port = true});
+  Step step = Step::check_power;
   while (step != Step::done && step != Step::failed) step = take(step);
   if (step == Step::failed || talk_.over()) return failure();
   report_.took = stream_.now() - began_;
@@ -379,7 +380,8 @@ Failure BringUp::failure() {
   // One that never answered has been told nothing that moves it: it is as it was found.
   const bool as_found = !heard && trouble_ == BringUpTrouble::cancelled;
   why.others = others_at(stream_.terminal().descriptor);
-  const Parting left = as_found ? Parting::standing : farewell(stream_);
+  Parting left = as_found ? Parting::standing : farewell(stream_);
+  if (!heard && probe_.heard_strangers_text()) left = Parting::standing;  // it is no robot
   if (request_.left != nullptr) *request_.left = left;
   probe_.set_port(wanted_);
   return explain(why);

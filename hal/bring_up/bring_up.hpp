@@ -62,7 +62,8 @@ struct BringUpReport {
 // 0.2 s if the robot answers at once, for up to 45 s if everything has to be tried. It tries less
 // if something else is known to be at the other end: a login prompt, a GPS receiver, its own echo.
 // After a failure the robot has been told to stop and go Passive, unless it was cancelled before
-// the robot ever answered: then it is as it was found. The failure says at which step it ended,
+// the robot ever answered: then it is as it was found. What is known to be no robot counts as left
+// standing. The failure says at which step it ended,
 // what was heard, and what to check.
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
 

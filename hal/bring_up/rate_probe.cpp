@@ -109,16 +109,19 @@ void RateProbe::note_silence(std::uint32_t baud) {
   talk_.forget();
 }
 
-bool RateProbe::heard_text() const {
-  return std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_text(); });
+bool RateProbe::heard_any(bool (Heard::*is)() const) const {
+  return std::ranges::any_of(heard_, [is](const HeardAt& at) { return (at.heard.*is)(); });
+}
+
+bool RateProbe::heard_text() const { return heard_any(&Heard::is_text); }
+
+bool RateProbe::heard_strangers_text() const {
+  return heard_any(&Heard::is_strangers_text) && !heard_any(&Heard::is_robots_text);
 }
 
 bool RateProbe::heard_stranger() const {
-  const bool robot =
-      std::ranges::any_of(heard_, [](const HeardAt& at) { return at.heard.is_robots_text(); });
-  return !robot && std::ranges::any_of(heard_, [](const HeardAt& at) {
-    return at.heard.is_strangers_text() || at.heard.is_echo();
-  });
+  return heard_strangers_text() ||
+         (heard_any(&Heard::is_echo) && !heard_any(&Heard::is_robots_text));
 }
 
 bool RateProbe::heard_noise() const {

@@ -52,7 +52,9 @@ class RateProbe {
   void note_silence(std::uint32_t baud);
   // It is off, booting or charging, and its text shows the rate.
   bool heard_text() const;
-  // What is there is not the robot: its text is known, or it echoes.
+  // What is there is known, and not the robot.
+  bool heard_strangers_text() const;
+  // The same, or an echo: the robot may be there too, if a wire is connected to another.
   bool heard_stranger() const;
   // Bytes, but neither text nor an echo.
   bool heard_noise() const;
@@ -62,6 +64,7 @@ class RateProbe {
   std::int32_t battery_mv() const { return battery_mv_; }
 
  private:
+  bool heard_any(bool (Heard::*is)() const) const;
   bool stirs(std::uint32_t baud);
   bool streams(std::uint32_t baud);
   bool replies(std::uint32_t baud);

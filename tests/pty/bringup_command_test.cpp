@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drive_fixture.hpp"
+#include "tests/pty/shell.hpp"
 
 namespace cargobay::test {
 namespace {
@@ -82,14 +83,18 @@ TEST_F(BringupCommand, IsWhatADriveBeginsWith) {
   EXPECT_EQ(robot_baud(), 57600U);
 }
 
+// A login prompt on the port would do the same.
 TEST_F(BringupCommand, TellsWhatWentWrongInJsonToo) {
   serve({.power_on = hal::sim::PowerOn::never});
+  const Shell holder{"exec 3<>" + port_ + "; while :; do sleep 1; done"};
   Command command{bringup({"--json", "-"})};
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.err(), OneErrorLine("bring-up failed at step"));
   const json result = json::parse(command.out());
   EXPECT_EQ(result.at("ok"), false);
   EXPECT_THAT(result.at("error").get<std::string>(), HasSubstr("silent"));
+  EXPECT_THAT(result.at("error").get<std::string>(),
+              HasSubstr(holder.name() + " also has the port open and takes bytes from it"));
 }
 
 TEST_F(BringupCommand, RefusesALineThatIsNotThere) {

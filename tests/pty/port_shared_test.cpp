@@ -1,48 +1,17 @@
 // Another process reads the robot's port, unlocked, during a drive.
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdlib>
 #include <string>
 
 #include "drive_fixture.hpp"
+#include "tests/pty/shell.hpp"
 
 namespace cargobay::test {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-// A shell that takes some bytes now and then.
-class Thief {
- public:
-  explicit Thief(std::string script) {
-    std::string shell = "sh";
-    std::string option = "-c";
-    char* const words[] = {shell.data(), option.data(), script.data(), nullptr};
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    if (posix_spawn(&process_, "/bin/sh", nullptr, &attributes, words, environ) != 0) process_ = -1;
-    posix_spawnattr_destroy(&attributes);
-  }
-  ~Thief() {
-    if (process_ <= 0) return;
-    kill(-process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-  }
-  Thief(const Thief&) = delete;
-  Thief& operator=(const Thief&) = delete;
-
-  std::string name() const { return "sh (process " + std::to_string(process_) + ")"; }
-  void stop() const { kill(-process_, SIGSTOP); }
-  void go_on() const { kill(-process_, SIGCONT); }
-
- private:
-  pid_t process_ = -1;
-};
 
 // It has the port open from the beginning, like a login prompt.
 std::string holding(const std::string& port) {
@@ -61,7 +30,7 @@ TEST_F(PortSharedTest, IsNamedIfItOpensThePortNowAndThen) {
   if (geteuid() != 0) GTEST_SKIP() << "only root opens a port that another process has";
   Command command{drive({"--duration", "60"}), kOnTerminal};
   ASSERT_TRUE(starts_to_move());
-  const Thief thief{opening(port_)};
+  const Shell thief{opening(port_)};
   EXPECT_TRUE(eventually([&] {
     (void)command.running();
     return command.out().find("head (process ") != std::string::npos;
@@ -85,7 +54,7 @@ TEST_F(PortSharedTest, TheDoctorSaysThatADriveHasThePort) {
 }
 
 TEST_F(PortSharedTest, IsNamedWithItsNumberAndARemedy) {
-  const Thief thief{holding(port_)};
+  const Shell thief{holding(port_)};
   ASSERT_TRUE(eventually([&] {
     Command doctor{{"doctor", "--port", port_}};
     return doctor.exit_code() == 1 && doctor.out().find(thief.name()) != std::string::npos;

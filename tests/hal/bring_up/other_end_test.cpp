@@ -103,18 +103,21 @@ class OtherEnd final : public ByteStream {
 struct Ended {
   std::string message;
   double seconds = 0.0;
+  Parting left = Parting::unconfirmed;
 };
 
 Ended bring_up_there(OtherEnd& other, std::uint32_t wanted = 57600) {
   EXPECT_FALSE(other.set_baud(wanted));
   const rt::TimePoint began = other.now();
-  const auto report = bring_up(other, {.packets = oi::kCreate.list(oi::FrameList::reading)});
+  Parting left = Parting::unconfirmed;
+  const auto report =
+      bring_up(other, {.packets = oi::kCreate.list(oi::FrameList::reading), .left = &left});
   EXPECT_FALSE(report);
   if (report) return {};
   EXPECT_EQ(report.failure().code, Trouble::silent);
   EXPECT_EQ(report.failure().message.find('\n'), std::string::npos);
   EXPECT_THAT(report.failure().message, Not(HasSubstr("charging")));
-  return {report.failure().message, rt::seconds(other.now() - began)};
+  return {report.failure().message, rt::seconds(other.now() - began), left};
 }
 
 // It prompts once, and again when it was typed at; it echoes what is typed.
@@ -131,6 +134,7 @@ TEST(OtherEnd, ALoginPromptIsNamedAsOne) {
                 HasSubstr("a login prompt is at this port and no robot: it sends at " +
                           std::to_string(baud) + " baud (raspberrypi login:)"));
     EXPECT_THAT(ended.message, HasSubstr("cargobay ports"));
+    EXPECT_EQ(ended.left, Parting::standing) << "no robot is there that may be moving";
     EXPECT_LT(ended.seconds, 5.0) << baud;
   }
 }
@@ -164,6 +168,7 @@ TEST(OtherEnd, TheEchoOfALoopbackPlugIsNamedAsOne) {
     EXPECT_THAT(ended.message, HasSubstr("what is sent at " + std::to_string(wanted) +
                                          " baud comes back, and no robot answers"));
     EXPECT_THAT(ended.message, HasSubstr("loopback plug"));
+    EXPECT_EQ(ended.left, Parting::unconfirmed) << "a robot may be on the wire as well";
     EXPECT_LT(ended.seconds, 5.0);
   }
 }

@@ -99,6 +99,7 @@ TEST_F(PortPins, APortWithoutThemIsRefusedWithAWayOut) {
   ASSERT_FALSE(link.set_baud(19200));
   const auto report = bring_up({.brc = on("rts")});
   ASSERT_FALSE(report);
+  EXPECT_EQ(device.counters().bytes_received, 0U) << "the robot is as it was found";
   EXPECT_EQ(report.failure().code, Trouble::pin);
   EXPECT_THAT(report.failure().message, HasSubstr("RTS or DTR of the port cannot be set"));
   EXPECT_THAT(report.failure().message, HasSubstr("a pseudo-terminal has none"));
