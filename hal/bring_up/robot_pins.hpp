@@ -50,6 +50,7 @@ class PortOutput final : public gpio::Output {
 class BoundPins {
  public:
   BoundPins(const RobotPins& pins, ByteStream& stream);
+  ~BoundPins() = default;
   BoundPins(const BoundPins&) = delete;
   BoundPins& operator=(const BoundPins&) = delete;
 

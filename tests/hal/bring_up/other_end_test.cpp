@@ -56,7 +56,7 @@ class OtherEnd final : public ByteStream {
     for (; count < bytes.size() && due(); coming_.pop_front()) {
       const std::uint8_t byte = coming_.front().second;
       const bool clear = baud_ == own_baud_ || loops_back_;
-      bytes[count++] = clear ? byte : static_cast<std::uint8_t>((byte << 3U) ^ 0xe3U);
+      bytes[count++] = clear ? byte : static_cast<std::uint8_t>((unsigned{byte} << 3U) ^ 0xe3U);
     }
     return {.count = count};
   }

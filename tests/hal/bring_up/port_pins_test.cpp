@@ -23,43 +23,43 @@ PinSetting on(const std::string& line, Polarity polarity = Polarity::direct) {
 class PortPins : public testing::Test {
  protected:
   void wire(Polarity brc, ModemLine brc_line = ModemLine::rts) {
-    link.on_modem_line([this, brc, brc_line](ModemLine line, bool asserted) {
+    link_.on_modem_line([this, brc, brc_line](ModemLine line, bool asserted) {
       const bool low_at_cable = asserted;
       if (line == brc_line) {
-        device.set_brc(low_at_cable != (brc == Polarity::direct));
+        device_.set_brc(low_at_cable != (brc == Polarity::direct));
       } else {
-        device.set_power_toggle(!low_at_cable);
+        device_.set_power_toggle(!low_at_cable);
       }
-      ++changes;
+      ++changes_;
     });
-    ASSERT_FALSE(link.set_modem_line(ModemLine::rts, true));
-    ASSERT_FALSE(link.set_modem_line(ModemLine::dtr, true));
-    changes = 0;
-    ASSERT_FALSE(link.set_baud(19200));
+    ASSERT_FALSE(link_.set_modem_line(ModemLine::rts, true));
+    ASSERT_FALSE(link_.set_modem_line(ModemLine::dtr, true));
+    changes_ = 0;
+    ASSERT_FALSE(link_.set_baud(19200));
   }
   Result<BringUpReport> bring_up(const PinSettings& settings) {
     auto lines = open_pins(settings);
     if (!lines) return lines.failure();
     return hal::bring_up(
-        link, {.packets = oi::kCreate.list(oi::FrameList::reading), .pins = lines->pins()});
+        link_, {.packets = oi::kCreate.list(oi::FrameList::reading), .pins = lines->pins()});
   }
 
-  sim::Device device{sim::Parameters{}};
-  sim::VirtualLink link{device};
-  int changes = 0;
+  sim::Device device_{sim::Parameters{}};
+  sim::VirtualLink link_{device_};
+  int changes_ = 0;
 };
 
 TEST_F(PortPins, PulsesOnRtsBring19200) {
   for (const Polarity polarity : {Polarity::direct, Polarity::inverted}) {
-    device.brown_out();  // back to 57600
-    device.set_brc(true);
+    device_.brown_out();  // back to 57600
+    device_.set_brc(true);
     wire(polarity);
     const auto report = bring_up({.brc = on("rts", polarity)});
     ASSERT_TRUE(report) << report.failure().message;
     EXPECT_EQ(report->rate_change, RateChange::brc);
     EXPECT_EQ(report->brc.pulses().size(), 6U);
-    EXPECT_TRUE(device.brc_high()) << "released";
-    EXPECT_EQ(device.baud(), 19200U);
+    EXPECT_TRUE(device_.brc_high()) << "released";
+    EXPECT_EQ(device_.baud(), 19200U);
   }
 }
 
@@ -78,28 +78,28 @@ TEST_F(PortPins, DtrServesAsWell) {
 }
 
 TEST_F(PortPins, DtrSwitchesTheRobotOn) {
-  device.press_power();  // off
+  device_.press_power();  // off
   wire(Polarity::direct);
-  EXPECT_EQ(device.power(), sim::Power::off);
+  EXPECT_EQ(device_.power(), sim::Power::off);
   const auto report = bring_up({.brc = on("rts"), .power_toggle = on("dtr")});
   ASSERT_TRUE(report) << report.failure().message;
   EXPECT_TRUE(report->powered_on);
   EXPECT_EQ(report->rate_change, RateChange::brc);
-  EXPECT_NE(device.power(), sim::Power::off);
+  EXPECT_NE(device_.power(), sim::Power::off);
 }
 
 TEST_F(PortPins, AreReleasedAtTheBeginning) {
   wire(Polarity::direct);
-  EXPECT_FALSE(device.brc_high()) << "as the kernel opened the port";
+  EXPECT_FALSE(device_.brc_high()) << "as the kernel opened the port";
   ASSERT_TRUE(bring_up({.brc = on("rts")}));
-  EXPECT_TRUE(device.brc_high());
+  EXPECT_TRUE(device_.brc_high());
 }
 
 TEST_F(PortPins, APortWithoutThemIsRefusedWithAWayOut) {
-  ASSERT_FALSE(link.set_baud(19200));
+  ASSERT_FALSE(link_.set_baud(19200));
   const auto report = bring_up({.brc = on("rts")});
   ASSERT_FALSE(report);
-  EXPECT_EQ(device.counters().bytes_received, 0U) << "the robot is as it was found";
+  EXPECT_EQ(device_.counters().bytes_received, 0U) << "the robot is as it was found";
   EXPECT_EQ(report.failure().code, Trouble::pin);
   EXPECT_THAT(report.failure().message, HasSubstr("RTS or DTR of the port cannot be set"));
   EXPECT_THAT(report.failure().message, HasSubstr("a pseudo-terminal has none"));
@@ -118,7 +118,7 @@ TEST_F(PortPins, SettingsThatCannotWorkAreRefused) {
   PinSetting open_drain = on("rts");
   open_drain.drive = gpio::Drive::open_drain;
   EXPECT_THAT(complaint({.brc = open_drain}), HasSubstr("neither open drain nor bias"));
-  EXPECT_EQ(changes, 0) << "and no line was touched";
+  EXPECT_EQ(changes_, 0) << "and no line was touched";
 }
 
 // With a chip it is a GPIO line of that name.

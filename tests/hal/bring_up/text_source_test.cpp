@@ -26,7 +26,6 @@ std::vector<std::string> lines_of_the_robot() {
   link.advance(milliseconds{3000});
   device.press_power();
   link.advance(milliseconds{6000});
-  std::string text(4096, '\0');
   std::vector<std::uint8_t> bytes(4096);
   bytes.resize(link.read(bytes).count);
   std::istringstream stream{std::string{bytes.begin(), bytes.end()}};
