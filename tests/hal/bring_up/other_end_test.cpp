@@ -186,7 +186,7 @@ TEST(OtherEnd, TextThatNothingKnownSendsIsNotTakenForTheRobots) {
 TEST(OtherEnd, AStreamThatGoesOnIsNotTakenForAnEcho) {
   OtherEnd other{57600};
   other.chatter = std::string{"\x13\x05\x1d\x00\x00\x19\x00", 7} + std::string(40, '\0');
-  other.every = milliseconds{15};
+  other.every = milliseconds{100};
   EXPECT_THAT(bring_up_there(other).message, HasSubstr("but no whole frame"));
 }
 

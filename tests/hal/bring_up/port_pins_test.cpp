@@ -91,7 +91,10 @@ TEST_F(PortPins, DtrSwitchesTheRobotOn) {
 TEST_F(PortPins, AreReleasedAtTheBeginning) {
   wire(Polarity::direct);
   EXPECT_FALSE(device_.brc_high()) << "as the kernel opened the port";
-  ASSERT_TRUE(bring_up({.brc = on("rts")}));
+  ASSERT_FALSE(link_.set_baud(57600));
+  const auto report = bring_up({.brc = on("rts")});
+  ASSERT_TRUE(report) << report.failure().message;
+  EXPECT_EQ(report->brc.count, 0U) << "no pulses at this rate";
   EXPECT_TRUE(device_.brc_high());
 }
 
