@@ -24,6 +24,7 @@ constexpr milliseconds kLate{2};  // the rest of a frame, after its wire time
 // near the frame's end; and this much later if it was too early.
 constexpr std::chrono::microseconds kEarlier{10};
 constexpr std::chrono::microseconds kLater{300};
+constexpr milliseconds kTooLate{2};
 
 template <typename Command>
 bool tell(ByteStream& stream, const Command& command) {
@@ -192,7 +193,10 @@ Result<oi::SensorValues> SensorStream::next_streamed() {
     stream_.sleep(due_ - stream_.now());
     due_ += oi::kTick - kEarlier;
     read();
-    if (take_frame(values)) return values;
+    if (take_frame(values)) {
+      if (begin_ != end_) due_ -= kTooLate;  // a part of the next is there
+      return values;
+    }
   }
   while (!take_frame(values)) {
     // After lost or additional bytes a whole frame's worth arrives in the middle of the next: its

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/connect/bring_up_report.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
 #include "hal/cli/connect/sim_options.hpp"
@@ -19,6 +20,7 @@
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
+#include "hal/cli/view/progress.hpp"
 #include "hal/config/config_edit.hpp"
 #include "hal/file/read_input.hpp"
 #include "hal/range.hpp"
@@ -71,19 +73,16 @@ hal::Result<std::optional<int>> drive(hal::Robot& robot, hal::Calibration& calib
   const auto grant = robot.start({.function = &Pattern::control, .context = &pattern});
   if (!grant) return grant.failure();
   const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};  // whatever this waits for
-  const bool live = stdout_is_terminal();
   std::optional<int> signal;
   hal::CycleState state;
   while (!robot.ended() && !signal) {
     signal = signals.wait(kPause);
     while (robot.cycle().next_state(state)) calibration.see(state);
-    if (!live) continue;
-    fmt::print("\r{:5.1f} / {:g} s   speed {:6.1f} {:6.1f} mm/s",
-               static_cast<double>(state.tick) * 0.015, hal::Calibration::duration_s(),
-               state.estimate.left_mm_s, state.estimate.right_mm_s);
-    std::fflush(stdout);
+    show_line(fmt::format("{:5.1f} / {:g} s   speed {:6.1f} {:6.1f} mm/s",
+                          static_cast<double>(state.tick) * 0.015, hal::Calibration::duration_s(),
+                          state.estimate.left_mm_s, state.estimate.right_mm_s));
   }
-  if (live) fmt::print("\r\033[K");
+  clear_line();
   const hal::Robot::Farewell farewell = robot.stop();
   while (robot.cycle().next_state(state)) calibration.see(state);
   if (!signal) signal = signals.wait(rt::Duration::zero());
@@ -194,7 +193,10 @@ hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOption
     if (!signal) signal = signals.wait(rt::Duration::zero());
     return signal.has_value();
   };
+  std::optional<Progress> progress{std::in_place, "bring-up"};
+  wanted.progress = [&](const hal::BringUpEvent& event) { progress->say(in_words(event)); };
   auto robot = hal::Robot::open(std::move(*stream), wanted);
+  progress.reset();
   if (signal) return std::optional<hal::CalibrationResult>{};
   if (!robot) return robot.failure();
   hal::Calibration calibration{options.speed_mm_s};

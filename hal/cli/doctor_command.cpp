@@ -30,8 +30,13 @@ std::string report(const std::vector<hal::Finding>& findings) {
 
 void print(const std::vector<hal::Finding>& findings) {
   for (const hal::Finding& finding : findings) {
-    fmt::print("{:<7} {:<11} {}\n", hal::name(finding.verdict), finding.check, finding.what);
-    if (!finding.remedy.empty()) fmt::print("{:20}{}\n", "", finding.remedy);
+    constexpr std::size_t kIndent = 20;
+    const std::size_t columns = terminal_columns(STDOUT_FILENO);
+    const std::string what =
+        fmt::format("{:<7} {:<11} {}\n", hal::name(finding.verdict), finding.check, finding.what);
+    fmt::print("{}", wrapped(what, columns, kIndent));
+    if (finding.remedy.empty()) continue;
+    fmt::print("{}\n", wrapped(std::string(kIndent, ' ') + finding.remedy, columns, kIndent));
   }
 }
 

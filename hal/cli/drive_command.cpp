@@ -6,16 +6,18 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/connect/bring_up_report.hpp"
 #include "hal/cli/connect/findings.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
 #include "hal/cli/connect/sim_options.hpp"
-#include "hal/cli/drive/drive_events.hpp"
+#include "hal/cli/drive/drive_display.hpp"
 #include "hal/cli/drive/drive_links.hpp"
 #include "hal/cli/drive/drive_log.hpp"
 #include "hal/cli/drive/drive_options.hpp"
@@ -27,6 +29,7 @@
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
+#include "hal/cli/view/progress.hpp"
 #include "hal/machine/kworker_boost.hpp"
 #include "hal/port/port_identity.hpp"
 #include "hal/recording/recording_file.hpp"
@@ -34,7 +37,6 @@
 #include "hal/robot/robot.hpp"
 #include "hal/sim/line/server.hpp"
 #include "oi/limits.hpp"
-#include "oi/value_names.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::cli {
@@ -56,35 +58,6 @@ struct Driver {
     if (driven_s >= self.duration_s) self.cycle->request_stop();
     return self.profile->at(std::min(driven_s, self.duration_s - 1e-6));  // not yet the next round
   }
-};
-
-void print_status(const hal::CycleState& state, double duration_s) {
-  fmt::print(
-      "\r{:6.1f} / {:g} s   set {:4.0f} {:4.0f}   speed {:6.1f} {:6.1f}   command {:4.0f} {:4.0f} "
-      "mm/s   {:<8}",
-      static_cast<double>(state.tick) * 0.015, duration_s, state.set.left_mm_s,
-      state.set.right_mm_s, state.estimate.left_mm_s, state.estimate.right_mm_s,
-      state.command.left_mm_s, state.command.right_mm_s, oi::name(state.mode));
-  std::fflush(stdout);
-}
-
-// Prints each event once, as it comes.
-class EventPrinter {
- public:
-  enum class Use : std::uint8_t { print, quiet };
-  // The events outlive the printer.
-  EventPrinter(const std::vector<hal::Event>& events, Use use) : events_{events}, use_{use} {}
-
-  void print_new() {
-    for (; printed_ < events_.size(); ++printed_) {
-      if (use_ == Use::print) fmt::print("{}", line(events_[printed_]));
-    }
-  }
-
- private:
-  const std::vector<hal::Event>& events_;
-  Use use_;
-  std::size_t printed_ = 0;
 };
 
 std::string plot_title(const DriveReport& report, const DriveOptions& options) {
@@ -130,7 +103,8 @@ int conclude(const DriveReport& report, const DriveOptions& options,
   hal::Result<void> saved = save(report, options, samples, outputs);
   if (saved) saved = ending.recorded;
   if (options.json_file != "-") {
-    fmt::print("{}", table(report));
+    constexpr std::size_t kIndent = 11;
+    fmt::print("{}", wrapped(table(report), terminal_columns(STDOUT_FILENO), kIndent));
     for (const std::string& file : ending.recordings)
       fmt::print("Recording  {0}; look at it with: cargobay plot {0}\n", file);
     fmt::print("{}", last_frames_table(ending.farewell.last));
@@ -152,8 +126,10 @@ class Drive {
         signals_{signals},
         outputs_{outputs},
         links_{server},
-        printer_{links_.events(),
-                 options.json_file == "-" ? EventPrinter::Use::quiet : EventPrinter::Use::print},
+        display_{fmt::format("{}, {} loop", options.profile, options.open_loop ? "open" : "closed"),
+                 options.duration_s, links_,
+                 options.json_file == "-" ? DriveDisplay::Events::keep_quiet
+                                          : DriveDisplay::Events::print},
         driver_{.profile = &profile, .duration_s = options.duration_s} {}
 
   // Fails if the first link cannot be driven. `request` finds the further links; if it names no
@@ -173,7 +149,7 @@ class Drive {
       ending.signal = follow(*robot);
       ending.farewell = robot->stop();
       links_.end_link();
-      printer_.print_new();
+      display_.print_events();
       end_recording(*robot, ending);
       began_from_earlier_ = began_from_earlier_ || robot->began_from().has_value();
       if (auto learnt = robot->cycle().learnt()) learnt_ = learnt;
@@ -212,21 +188,17 @@ class Drive {
   }
   // Returns the signal that ended the drive before its time.
   std::optional<int> follow(hal::Robot& robot) {
-    constexpr const char* kClearLine = "\r\033[K";
-    const bool live = stdout_is_terminal();
     std::optional<int> signal;
     // At once, even while this thread is held up by what it prints or records.
     const AtFirstSignal stop{[&robot] { robot.cycle().request_stop(); }};
+    display_.begin();
     while (!robot.ended() && !signal.has_value()) {
       signal = signals_.wait(kStatusPeriod);
       links_.collect();
       if (recording_) recording_->append(robot.flight_recorder());
-      if (live) fmt::print(kClearLine);
-      printer_.print_new();
-      if (live && !links_.states().empty())
-        print_status(links_.states().back(), options_.duration_s);
+      display_.show(robot.cycle().counters().frames);
     }
-    if (live) fmt::print(kClearLine);
+    display_.end();
     return signal.has_value() ? signal : signals_.wait(rt::Duration::zero());
   }
   static hal::Result<hal::Reconnection> wait_for_robot(const hal::ReconnectRequest& request,
@@ -234,7 +206,9 @@ class Drive {
     print_remark(end == hal::CycleEnd::hung_up
                      ? "the port hung up; waiting for it to come back"
                      : "the robot fell silent; waiting for it to come back");
+    std::optional<Progress> progress{std::in_place, "waiting for it; Ctrl-C gives up"};
     auto back = hal::reconnect(request);
+    progress.reset();
     if (back && !back->remark.empty()) print_remark(back->remark);
     return back;
   }
@@ -269,7 +243,7 @@ class Drive {
   StopSignals& signals_;
   Outputs& outputs_;
   DriveLinks links_;
-  EventPrinter printer_;
+  DriveDisplay display_;
   Driver driver_;
   std::optional<hal::RecordingFile> recording_{};  // of the link
   int recordings_ = 0;
@@ -325,6 +299,14 @@ hal::Result<void> boost_kworkers(hal::KworkerBoost& boost, const hal::RobotOptio
   return {};
 }
 
+// Shows meanwhile where the bring-up is: it is not asked for progress later.
+hal::Result<hal::Robot::Owned> bring_up(std::unique_ptr<hal::ByteStream> stream,
+                                        hal::RobotOptions wanted) {
+  Progress progress{"bring-up"};
+  wanted.progress = [&](const hal::BringUpEvent& event) { progress.say(in_words(event)); };
+  return hal::Robot::open(std::move(stream), wanted);
+}
+
 int drive(const DriveOptions& options) {
   StopSignals signals{SIGTSTP};  // suspended by Ctrl-Z, it would leave the robot rolling
   const auto fail = [](const hal::Failure& failure) {
@@ -365,7 +347,7 @@ int drive(const DriveOptions& options) {
     if (const auto done = boost_kworkers(boost, wanted); !done) return fail(done.failure());
   }
 
-  auto opened = hal::Robot::open(std::move(*stream), wanted);
+  auto opened = bring_up(std::move(*stream), wanted);
   if (early_signal) return kSignalled + *early_signal;  // the robot stands still, or was told to
   if (!opened) return fail(opened.failure());
   Drive driving{options, *profile, server, signals, outputs};

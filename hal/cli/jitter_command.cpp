@@ -2,7 +2,6 @@
 
 #include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -170,17 +169,14 @@ hal::Result<void> measure(jitter::Run& run, StopSignals& signals, std::optional<
     measured = run.measure(stop, [&](double so_far) { share.store(so_far); });
     done.store(true);
   }};
-  const bool live = isatty(STDERR_FILENO) == 1;
   while (!done.load()) {
     const auto caught = signals.wait(std::chrono::milliseconds{100});
     if (caught && !signal) signal = caught;
     if (signal) stop.store(true);
-    if (live)
-      fmt::print(stderr,
-                 "\r\033[Kmeasuring, {:3.0f} % done; Ctrl-C ends it and keeps what was measured",
-                 100.0 * share.load());
+    show_line(fmt::format("measuring, {:3.0f} % done; Ctrl-C ends it and keeps what was measured",
+                          100.0 * share.load()));
   }
-  if (live) fmt::print(stderr, "\r\033[K");
+  clear_line();
   measuring.join();
   return measured;
 }

@@ -15,6 +15,7 @@
 #include "hal/cli/terminal/load_recording.hpp"
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
+#include "hal/cli/view/progress.hpp"
 #include "hal/recording/estimate_again.hpp"
 #include "hal/recording/replay.hpp"
 
@@ -69,7 +70,9 @@ int conclude(const ReplayOptions& options, const nlohmann::json& results, const 
 }
 
 int compare_loop(const ReplayOptions& options, const hal::Recording& recording, Outputs& outputs) {
+  std::optional<Progress> progress{std::in_place, "replaying"};
   const auto result = hal::replay(recording);
+  progress.reset();
   if (!result) {
     print_error(options.file + " " + result.failure().message);
     return kFailure;
@@ -95,7 +98,9 @@ int compare_estimate(const ReplayOptions& options, const hal::Recording& recordi
   if (options.remainder == "unknown") parameters.remainder.reset();
   parameters.likely_lag_s = options.lag_s.value_or(parameters.likely_lag_s);
   parameters.wheel_base_mm = options.wheel_base_mm.value_or(parameters.wheel_base_mm);
+  std::optional<Progress> progress{std::in_place, "estimating again"};
   const hal::EstimateDifference difference = hal::estimate_again(recording, parameters);
+  progress.reset();
   return conclude(options, json(difference),
                   fmt::format("{} ticks, estimates differ by {:.2f} / {:.2f} mm/s rms, {:.2f} / "
                               "{:.2f} at most (left / right)\n"

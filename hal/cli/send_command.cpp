@@ -88,7 +88,6 @@ int send(const CLI::App& command, const Options& options) {
   };
   const auto config = configuration(options.connection);
   if (!config) return fail(config.failure());
-  if (!has_port(*config)) return kUsageError;
   const auto text = text_to_send(command, options);
   if (!text) return fail(text.failure());
   std::vector<PlannedCommand> commands;
@@ -99,7 +98,9 @@ int send(const CLI::App& command, const Options& options) {
   }
   if (const auto refused = objection(commands, std::nullopt, *config->baud))
     return fail({*refused});
-  auto port = open_for_use(config->port, *config->baud);
+  const auto plant = find_plain_robot(*config);  // outlives the port
+  if (!plant) return fail(plant.failure());
+  auto port = open_for_use(plant->port, *config->baud);
   if (!port) return fail(port.failure());
   if (commands.empty()) return report(listen_only(**port, signals, *options.listen_s));
   // Without a guard the wheels would keep turning for ever if this program were killed.
@@ -122,7 +123,8 @@ void add_send(CLI::App& app, Action& chosen) {
       "send",
       "Send Open Interface commands to a robot and print what it answers: sensor values, stored\n"
       "script, stream frames, text. If they start the wheels it stays until Ctrl-C, then stops "
-      "them.\nWhile a script that it started waits, it waits too: the robot is deaf till then.");
+      "them.\nWhile a script that it started waits, it waits too: the robot is deaf till then.\n"
+      "Without --port, to a virtual Create of its own, which is off at first.");
   take_operands(
       *command, "TEXT...",
       "commands as for `cargobay encode`; `stop` stops the wheels (drive_direct 0 0). Without "

@@ -1,8 +1,12 @@
 // `cargobay sensors`: the robot's sensor values, named and with units.
 
-#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -17,7 +21,11 @@
 #include "hal/cli/terminal/sensor_format.hpp"
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/terminal/standard_streams.hpp"
+#include "hal/cli/view/progress.hpp"
+#include "hal/cli/view/screen.hpp"
+#include "hal/cli/view/sensor_view.hpp"
 #include "hal/guard/duty.hpp"
+#include "oi/dialect.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -33,36 +41,128 @@ struct SensorsOptions {
 
 constexpr rt::Duration kRefresh = std::chrono::milliseconds{200};
 
-void show(const SensorsOptions& options, const std::vector<oi::PacketId>& packets,
-          const oi::SensorValues& values) {
-  if (options.as_json) {
-    fmt::print("{}\n", json_line(packets, values));
-  } else {
-    fmt::print("{}", lines(packets, values));
+// Without those that another one contains: the second distance of a frame is that since the first.
+std::vector<oi::PacketId> each_once(const std::vector<oi::PacketId>& packets) {
+  const auto bits = [](oi::PacketId packet) { return oi::packet_bits(oi::kCreate.packet(packet)); };
+  std::vector<oi::PacketId> kept;
+  std::uint64_t covered = 0;
+  for (const oi::PacketId packet : packets) {
+    if ((bits(packet) & ~covered) == 0) continue;
+    std::erase_if(kept, [&](oi::PacketId one) { return (bits(one) & ~bits(packet)) == 0; });
+    kept.push_back(packet);
+    covered |= bits(packet);
   }
-  std::fflush(stdout);
+  return kept;
 }
 
-// Prints frames as they come, until a signal. Redraws the table at a rate that eyes can follow.
-int watch(const SensorsOptions& options, const std::vector<oi::PacketId>& packets,
-          hal::SensorStream& stream, StopSignals& signals) {
-  rt::TimePoint next_draw{};
-  while (!signals.wait(rt::Duration::zero()).has_value() && !output_error()) {
-    const auto values = stream.next();
-    if (!values) {
-      print_error(values.failure().message);
-      return kFailure;
+// Prints readings: JSON, or a table.
+class Printer {
+ public:
+  // Both outlive it.
+  Printer(const SensorsOptions& options, const std::vector<oi::PacketId>& packets)
+      : options_{options}, packets_{packets}, json_{packets} {}
+
+  bool as_json() const { return options_.as_json; }
+  void print(const oi::SensorValues& values, ReadingContext context) const {
+    if (as_json()) {
+      const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+      context.unix_time_s = now.count();
+      const std::string line = json_.of(values, context) + "\n";
+      (void)std::fwrite(line.data(), 1, line.size(), stdout);
+    } else {
+      fmt::print("{}", lines(packets_, values));
     }
-    if (!options.as_json) {
-      const rt::TimePoint now = rt::Clock::now();
-      if (now < next_draw) continue;
-      next_draw = now + kRefresh;
-      fmt::print("\033[H\033[J");
-    }
-    show(options, packets, *values);
-    if (options.once) break;
+    (void)std::fflush(stdout);
   }
-  return kSuccess;
+
+ private:
+  const SensorsOptions& options_;
+  const std::vector<oi::PacketId>& packets_;
+  JsonLine json_;
+};
+
+// Shows one frame after the other, as a line of JSON each or, at a rate that eyes can follow, on
+// the whole screen.
+class Watch {
+ public:
+  // All of them outlive it; without a screen, frames are printed.
+  Watch(const Printer& printer, const std::vector<oi::PacketId>& packets, std::string where,
+        hal::SensorStream& stream, Screen* screen)
+      : printer_{printer},
+        packets_{packets},
+        stream_{stream},
+        screen_{screen},
+        picture_{.where = std::move(where)} {}
+
+  // Until a signal, or until nothing reads what is printed.
+  hal::Result<void> run(StopSignals& signals) {
+    while (!signals.wait(rt::Duration::zero()).has_value() && !output_error()) {
+      const auto frame = stream_.next();
+      if (!frame) return frame.failure();
+      take(*frame);
+      if (screen_ != nullptr) {
+        draw();
+      } else {
+        print();
+      }
+      // A table that cannot be replaced is printed once.
+      if (screen_ == nullptr && !printer_.as_json()) break;
+    }
+    return {};
+  }
+
+ private:
+  void take(const hal::SensorFrame& frame) {
+    if (picture_.frames++ == 0) first_ = frame.arrival;
+    picture_.frame = frame;
+    picture_.time_s = rt::seconds(frame.arrival - first_);
+  }
+  void print() const {
+    printer_.print(picture_.frame.values, {.time_s = picture_.time_s,
+                                           .distance_mm = picture_.frame.distance_mm,
+                                           .angle_deg = picture_.frame.angle_deg});
+  }
+  void draw() {
+    const bool due = picture_.frame.arrival >= next_draw_;
+    if (!screen_->attend() && !due) return;
+    next_draw_ = picture_.frame.arrival + kRefresh;
+    screen_->draw(sensor_view(picture_, packets_, screen_->size()));
+  }
+
+  const Printer& printer_;
+  const std::vector<oi::PacketId>& packets_;
+  hal::SensorStream& stream_;
+  Screen* screen_;
+  SensorPicture picture_;
+  rt::TimePoint first_{};
+  rt::TimePoint next_draw_{};
+};
+
+// The stream is paused in the end.
+hal::Result<void> watch(const Printer& printer, const std::vector<oi::PacketId>& packets,
+                        hal::ByteStream& port, const std::string& name, StopSignals& signals) {
+  std::optional<Progress> progress{std::in_place, "waiting for the robot to stream"};
+  auto stream = hal::SensorStream::open(port, packets);
+  progress.reset();
+  if (!stream) return stream.failure();
+  if (const std::string& why = (*stream)->why_asked(); !why.empty())
+    print_remark(why + "; asking for one reading after the other");
+  std::unique_ptr<Screen> screen;
+  if (!printer.as_json()) screen = Screen::open(ControlZ::suspends);
+  Watch frames{printer, packets, fmt::format("{} at {} baud", name, port.baud()), **stream,
+               screen.get()};
+  return frames.run(signals);
+}
+
+hal::Result<void> read_once(const Printer& printer, const std::vector<oi::PacketId>& packets,
+                            hal::ByteStream& port) {
+  std::optional<Progress> progress{std::in_place, "waiting for the robot's answer"};
+  const auto values = hal::query_sensors(port, packets);
+  progress.reset();
+  if (!values) return values.failure();
+  printer.print(*values, {.distance_mm = values->raw(oi::PacketId::distance),
+                          .angle_deg = values->raw(oi::PacketId::angle)});
+  return {};
 }
 
 int sensors(const SensorsOptions& options) {
@@ -75,25 +175,23 @@ int sensors(const SensorsOptions& options) {
   if (!packets) return fail(packets.failure());
   const auto config = configuration(options.connection);
   if (!config) return fail(config.failure());
-  if (!has_port(*config)) return kUsageError;
-  auto port = open_for_use(config->port, *config->baud);
+  const auto plant = find_plain_robot(*config);  // outlives the port
+  if (!plant) return fail(plant.failure());
+  auto port = open_for_use(plant->port, *config->baud);
   if (!port) return fail(port.failure());
+  const std::string name = (plant->create ? "virtual Create on " : "") + plant->port;
   // If this program is killed, the stream is still stopped and the port restored.
   auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
   if (!duty) return fail(duty.failure());
-  // A live table needs a terminal; elsewhere one reading makes more sense.
-  if (options.once || (!options.as_json && !stdout_is_terminal())) {
-    const auto values = hal::query_sensors(**port, *packets);
-    (*duty)->waive();
-    if (!values) return fail(values.failure());
-    show(options, *packets, *values);
-    return kSuccess;
-  }
-  auto stream = hal::SensorStream::open(**port, *packets);
-  const int code = stream ? watch(options, *packets, **stream, signals) : fail(stream.failure());
-  if (stream) stream->reset();  // pauses the stream
-  (*duty)->waive();             // nothing was told to move
-  return code;
+  // A live table needs a terminal that can show one; elsewhere one reading makes more sense.
+  const bool live = options.as_json || (stdout_is_terminal() && terminal_moves_cursor());
+  const std::vector<oi::PacketId> asked = each_once(*packets);
+  const Printer printer{options, *packets};
+  const hal::Result<void> shown = options.once || !live
+                                      ? read_once(printer, asked, **port)
+                                      : watch(printer, asked, **port, name, signals);
+  (*duty)->waive();  // nothing was told to move
+  return shown ? kSuccess : fail(shown.failure());
 }
 
 }  // namespace
@@ -104,13 +202,17 @@ void add_sensors(CLI::App& app, Action& chosen) {
       "sensors",
       "Show the robot's sensors, named and with units: a live table on a terminal, otherwise one "
       "reading.\n"
-      "A robot that is off is started, and stays in Passive; one that runs keeps its mode.");
+      "A robot that is off is started, and stays in Passive; one that runs keeps its mode. "
+      "Without\n"
+      "--port, those of a virtual Create of its own.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--packets", options->packets,
                    "Packets by number or name, separated by commas; 6 is all")
       ->capture_default_str();
-  command->add_flag("--json", options->as_json, "One JSON object per frame, every 15 ms");
+  command->add_flag("--json", options->as_json,
+                    "One JSON object per frame, every 15 ms or as often as the line carries it, "
+                    "with its time and the sums of distance and angle");
   command->add_flag("--once", options->once, "Take one reading, then exit");
   command->footer(
       "Examples:\n"

@@ -27,7 +27,10 @@ KERNEL_SUITE = "bookworm"
 TESTS = ["test_gpio", "test_serial"]
 # What they need on a Debian whose programs have been built elsewhere: the names of the libraries'
 # packages change, those of the packages that need them do not.
-RUN_TIME = ["busybox-static", "libserialport-dev", "libgpiod-dev", "libfmt-dev", "libstdc++6"]
+RUN_TIME = [
+    "busybox-static", "libserialport-dev", "libgpiod-dev", "libfmt-dev", "libncurses-dev",
+    "libstdc++6",
+]  # fmt: skip
 TOOLS = ["qemu-system-aarch64", "fdtput", "cpio", "readelf", *cross_build.TOOLS]
 
 CHIP = "pinctrl-bcm2835"

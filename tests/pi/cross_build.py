@@ -12,7 +12,7 @@ COMPILER_PACKAGES = {"bookworm": "libstdc++-12-dev", "trixie": "libstdc++-14-dev
 PACKAGES = [
     "busybox-static", "libc6-dev", "libgpiod-dev", "libserialport-dev", "libfmt-dev",
     "libtomlplusplus-dev", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev",
-    "libgtest-dev", "libgmock-dev",
+    "libncurses-dev", "libgtest-dev", "libgmock-dev",
 ]  # fmt: skip
 NOT_NEEDED = {"libnsl-dev", "pkg-config", "libc-dev-bin", "rpcsvc-proto"}
 TOOLS = ["clang++-22", "cmake", "ninja", "dpkg-deb"]

@@ -143,12 +143,16 @@ TEST(Configuration, IsRefusedByLineAndNearestKey) {
   }
 }
 
-TEST(Configuration, MayLackAPortForNobodyButDriveAndBringup) {
-  for (const char* command_name : {"sensors", "send"}) {
-    Command command{{command_name, "--config", "/dev/null"}};
-    EXPECT_EQ(command.exit_code(), 2) << command_name;
-    EXPECT_THAT(command.err(), OneErrorLine("--port is required"));
-  }
+// As drive and bringup do, but those say in what they print whose robot it is.
+TEST(Configuration, MayLackAPort) {
+  Command sensors{{"sensors", "--config", "/dev/null", "--packets", "oi_mode"}};
+  EXPECT_EQ(sensors.exit_code(), 0) << sensors.err();
+  EXPECT_THAT(sensors.out(), HasSubstr("(passive)"));
+  EXPECT_THAT(sensors.err(), HasSubstr("a virtual Create of its own"));
+  Command send{{"send", "--config", "/dev/null", "start; safe; sensors oi_mode"}};
+  EXPECT_EQ(send.exit_code(), 0) << send.err();
+  EXPECT_THAT(send.out(), HasSubstr("(safe)"));
+  EXPECT_THAT(send.err(), HasSubstr("a virtual Create of its own"));
 }
 
 TEST(Lists, OfPortsAndPinsAreNeverEmpty) {

@@ -212,12 +212,5 @@ TEST_F(DriveTest, ShowsNoStatusLineWithoutATerminal) {
   EXPECT_THAT(command.err(), IsEmpty());
 }
 
-TEST_F(DriveTest, ShowsAStatusLineOnATerminal) {
-  Command command{drive({"--duration", "0.6"}), kOnTerminal};
-  EXPECT_EQ(command.exit_code(), 0);
-  EXPECT_THAT(command.out(), AllOf(HasSubstr("\r"), HasSubstr("/ 0.6 s"), HasSubstr("safe")));
-  EXPECT_THAT(command.out(), HasSubstr("\r\033[KWheel speed")) << "it gives way to the table";
-}
-
 }  // namespace
 }  // namespace cargobay::test

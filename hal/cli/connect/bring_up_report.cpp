@@ -28,6 +28,11 @@ std::string line(const hal::BringUpEvent& event) {
   return fmt::format("{:7.3f} s  {:<14} {}\n", rt::seconds(event.time), event.step, event.detail);
 }
 
+std::string in_words(const hal::BringUpEvent& event) {
+  return fmt::format("bring-up: {}{}{}", event.step, event.detail.empty() ? "" : ", ",
+                     event.detail);
+}
+
 std::string summary(const BringUpRecord& record, const hal::BringUpReport& report) {
   std::string text = fmt::format("{:7.3f} s  {} mode at {} baud", rt::seconds(report.took),
                                  oi::name(report.mode), record.baud);

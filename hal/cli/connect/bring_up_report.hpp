@@ -18,6 +18,8 @@ struct BringUpRecord {
 };
 
 std::string line(const hal::BringUpEvent& event);
+// The same without the time, for a line of progress: "bring-up: asking at 57600 baud".
+std::string in_words(const hal::BringUpEvent& event);
 std::string summary(const BringUpRecord& record, const hal::BringUpReport& report);
 std::string json(const BringUpRecord& record, const hal::Result<hal::BringUpReport>& result);
 

@@ -113,10 +113,15 @@ void protect_config(const PortOptions& port, Outputs& outputs) {
     outputs.protect("the configuration", file);
 }
 
-bool has_port(const hal::Config& config) {
-  if (!config.port.empty()) return true;
-  print_error("--port is required; list the ports with: cargobay ports");
-  return false;
+hal::Result<hal::Plant> find_plain_robot(const hal::Config& config) {
+  hal::Config plain;
+  plain.port = config.port;
+  auto plant = hal::find_plant(plain, {.boot_baud = *config.baud}, 0);
+  if (plant && plant->create) {
+    print_remark("no port is given: this is a virtual Create of its own, on " + plant->port +
+                 "; list the ports with: cargobay ports");
+  }
+  return plant;
 }
 
 hal::Result<hal::Plant> find_plant(const hal::Config& config, const PinOptions& pins,

@@ -67,8 +67,9 @@ bool is_new_config(const PortOptions& port);
 // Keeps the files that configuration() reads from being written to.
 void protect_config(const PortOptions& port, Outputs& outputs);
 
-// For a command that needs a port: if there is none, prints what is missing and returns false.
-bool has_port(const hal::Config& config);
+// For a command that talks to a robot as it is: the one at the port, no pin of which is touched; or
+// a virtual Create that listens at the configured rate, which a remark says.
+hal::Result<hal::Plant> find_plain_robot(const hal::Config& config);
 
 // As hal::find_plant(); options for pins without a port are a failure.
 hal::Result<hal::Plant> find_plant(const hal::Config& config, const PinOptions& pins,

@@ -1,10 +1,10 @@
 #include "hal/cli/terminal/sensor_format.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "oi/dialect.hpp"
 #include "oi/value_names.hpp"
@@ -27,8 +27,10 @@ const oi::PacketInfo& info(PacketId packet) { return oi::kCreate.packet(packet);
 std::vector<PacketId> singles(const std::vector<PacketId>& packets) {
   std::vector<PacketId> all;
   for (const PacketId packet : packets) {
-    for (std::uint8_t id = info(packet).first; id <= info(packet).last; ++id)
-      all.push_back(static_cast<PacketId>(id));
+    for (std::uint8_t id = info(packet).first; id <= info(packet).last; ++id) {
+      const auto single = static_cast<PacketId>(id);
+      if (std::ranges::find(all, single) == all.end()) all.push_back(single);
+    }
   }
   return all;
 }
@@ -45,16 +47,41 @@ std::string text(PacketId packet, const oi::SensorValues& values) {
   return unit.empty() ? fmt::format("{}", raw) : fmt::format("{} {}", raw, unit);
 }
 
-std::string json_line(const std::vector<PacketId>& packets, const oi::SensorValues& values) {
-  nlohmann::json out = nlohmann::json::object();
+JsonLine::JsonLine(const std::vector<PacketId>& packets) {
   for (const PacketId packet : singles(packets)) {
-    const std::string key{info(packet).key};
-    out[key] = values.raw(packet);
-    if (const std::string_view name = oi::code_name(packet, values.raw(packet)); !name.empty())
-      out[key + "_name"] = name;
-    if (oi::is_bit_set(packet)) out[key + "_names"] = bit_names(packet, values.raw(packet));
+    const std::string prefix = fmt::format(",\"{}", info(packet).key);
+    items_.push_back({.packet = packet,
+                      .key = prefix + "\":",
+                      .prefix = prefix,
+                      .is_bits = oi::is_bit_set(packet)});
   }
-  return out.dump();
+}
+
+// No name needs escaping: all are from tables.
+std::string JsonLine::of(const oi::SensorValues& values, const ReadingContext& context) const {
+  std::string out =
+      fmt::format(R"({{"unix_time_s":{:.6f},"time_s":{:.6f})", context.unix_time_s, context.time_s);
+  out.reserve(std::size_t{1} << 11U);
+  for (const Item& item : items_) {
+    const std::int32_t raw = values.raw(item.packet);
+    (out += item.key) += fmt::format_int(raw).c_str();
+    if (const std::string_view name = oi::code_name(item.packet, raw); !name.empty())
+      (((out += item.prefix) += "_name\":\"") += name) += '"';
+    if (item.is_bits) {
+      (out += item.prefix) += "_names\":[";
+      const char* quote = "\"";
+      oi::visit_bits(item.packet, raw, [&](std::string_view name) {
+        ((out += quote) += name) += '"';
+        quote = ",\"";
+      });
+      out += ']';
+    }
+    if (item.packet == PacketId::distance)
+      ((out += item.prefix) += "_sum\":") += fmt::format_int(context.distance_mm).c_str();
+    if (item.packet == PacketId::angle)
+      ((out += item.prefix) += "_sum\":") += fmt::format_int(context.angle_deg).c_str();
+  }
+  return out += '}';
 }
 
 std::string lines(const std::vector<PacketId>& packets, const oi::SensorValues& values) {

@@ -36,6 +36,7 @@ struct Shared {
   std::optional<int> unseen{};
   std::function<void()> act{};
   std::atomic<bool> any{false};
+  std::atomic<void (*)() noexcept> before_exit{nullptr};
 };
 
 Shared& shared() {
@@ -90,6 +91,7 @@ void* take(void* /*unused*/) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - rt::Clock::now());
     signal = next_to_end(static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
   }
+  if (auto* const restore = shared().before_exit.load(std::memory_order_acquire)) restore();
   say_why(first);
   _exit(first == SIGPIPE ? kFailure : kSignalled + first);
 }
@@ -135,6 +137,7 @@ std::optional<int> StopSignals::wait(rt::Duration timeout) {
     if (signal > 0) publish(signal);
   }
   Shared& all = shared();
+  if (threaded_ && timeout <= rt::Duration::zero() && !came()) return std::nullopt;
   std::unique_lock lock{all.mutex};
   const auto there = [&all] { return all.unseen.has_value(); };
   if (threaded_) all.news.wait_for(lock, timeout, there);
@@ -150,6 +153,10 @@ void StopSignals::output_failed() {
   constexpr std::uint64_t kOnce = 1;
   const int event = shared().unwritten;
   if (event >= 0) (void)!write(event, &kOnce, sizeof kOnce);
+}
+
+void call_before_exit(void (*function)() noexcept) {
+  shared().before_exit.store(function, std::memory_order_release);
 }
 
 AtFirstSignal::AtFirstSignal(std::function<void()> act) {

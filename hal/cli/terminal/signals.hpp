@@ -36,6 +36,10 @@ class StopSignals {
   bool threaded_ = false;  // if no thread could be made, wait() takes them itself
 };
 
+// Has that thread call this before it ends a process that did not end by itself: short, and without
+// locks. Null for nothing.
+void call_before_exit(void (*function)() noexcept);
+
 // While it lives, the thread that takes the first of the signals also calls this: for what must not
 // wait until this thread has finished printing or writing. One at a time; the function is short and
 // takes no lock.
