@@ -39,17 +39,24 @@ class Histogram {
     copy.sum_ = load(sum_);
     return copy;
   }
-  // record() for something that is due every `interval` and waits for its turn. While one value was
-  // late, others were due, had to wait too, and were not measured. They are recorded as the value
-  // less one interval, less two, and so on: without them a stall of a thousand intervals would
-  // count as one late value ("coordinated omission", G. Tene). At most kMostOmitted of them.
-  // `interval` is not 0.
+  // While one value was late, others were due every `interval`, had to wait too, and were not
+  // measured: without them a stall of a thousand intervals would count as one late value
+  // ("coordinated omission"). How many of them record_corrected() adds, by HdrHistogram's rule
+  // (G. Tene, recordValueWithExpectedInterval): the value less one interval, less two, and so on,
+  // as long as at least one interval is left. A shorter wait was within what is expected, and is
+  // never made up. At most kMostOmitted; `interval` is not 0.
   static constexpr std::uint64_t kMostOmitted = 1'000'000;
+  static constexpr std::uint64_t omitted(std::uint64_t value, std::uint64_t interval)
+      CARGOBAY_NONBLOCKING {
+    const std::uint64_t intervals = value / interval;
+    return intervals < 2 ? 0 : std::min(intervals - 1, kMostOmitted);
+  }
+  // record() for something that is due every `interval` and waits for its turn, with what was
+  // omitted meanwhile.
   void record_corrected(std::uint64_t value, std::uint64_t interval) CARGOBAY_NONBLOCKING {
     record(value);
-    const std::uint64_t omitted =
-        value <= interval ? 0 : std::min((value - 1) / interval, kMostOmitted);
-    for (std::uint64_t i = 1; i <= omitted; ++i) record(value - i * interval);
+    const std::uint64_t more = omitted(value, interval);
+    for (std::uint64_t i = 1; i <= more; ++i) record(value - i * interval);
   }
   void merge(const Histogram& other) CARGOBAY_NONBLOCKING {
     for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];

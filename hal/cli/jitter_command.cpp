@@ -15,6 +15,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/jitter/jitter_comparison.hpp"
 #include "hal/cli/jitter/jitter_formats.hpp"
 #include "hal/cli/jitter/jitter_plot.hpp"
 #include "hal/cli/jitter/jitter_summary.hpp"
@@ -45,7 +46,6 @@ struct JitterOptions {
   std::size_t hold_every = 0;
   double hold_ms = 20.0;
   bool load = false;
-  std::uint64_t bucket_us = 1;
   std::string json_file;
   std::string hgrm_prefix;
   std::string cyclictest_file;
@@ -53,7 +53,6 @@ struct JitterOptions {
 };
 
 constexpr double kSliceSeconds = 0.5;
-constexpr std::uint64_t kMostUs = 100'000;  // of cyclictest's histogram
 
 // Runs stress-ng on all processors until it is destroyed.
 class Load {
@@ -138,16 +137,19 @@ hal::Result<void> open_outputs(const JitterOptions& options, Outputs& outputs) {
 }
 
 // Writes every file that can be written. Returns the first failure.
-hal::Result<void> save(const JitterSummary& summary, const JitterOptions& options,
-                       Outputs& outputs) {
+hal::Result<void> save(const jitter::Run& run, const JitterSummary& summary,
+                       const JitterOptions& options, Outputs& outputs) {
   hal::Result<void> saved;
   const auto write = [&](const std::string& key, const std::string& text) {
     auto done = outputs.write(key, text);
     if (saved) saved = std::move(done);
   };
   if (!options.json_file.empty()) write("--json", json(summary));
-  if (!options.cyclictest_file.empty())
-    write("--cyclictest", cyclictest(summary, options.bucket_us, kMostUs));
+  if (!options.cyclictest_file.empty()) {
+    std::vector<const jitter::Measured*> channels;
+    for (const auto& channel : run.channels()) channels.push_back(&channel->measured());
+    write("--cyclictest", cyclictest(channels));
+  }
   if (!options.plot_file.empty()) {
     write("--plot", jitter_plot({summary},
                                 fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
@@ -243,7 +245,7 @@ int run_jitter(const JitterOptions& options) {
   summary.conditions = jitter::look_at_conditions();
   summary.usage = used;
   if (options.json_file != "-") fmt::print("{}", table(summary, bars_of_locale()));
-  const auto saved = save(summary, options, outputs);
+  const auto saved = save(**run, summary, options, outputs);
   if (!measured) return fail(measured.failure());
   if (!saved) return fail(saved.failure());
   return signal ? kSignalled + *signal : kSuccess;
@@ -278,8 +280,12 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
 void add_compare(CLI::App& jitter, Action& chosen) {
   CLI::App* command = jitter.add_subcommand(
       "compare",
-      "Put results side by side, each against the first, with confidence intervals.\nRatios whose "
-      "intervals do not contain 1 differ by more than chance.");
+      "Put results side by side, each against the first: the ratios of the figures shown, with 95 "
+      "% "
+      "confidence\nintervals if there are enough data for one. Ratios whose intervals do not "
+      "contain 1 differ by more than chance.\nSays what else was different: kernel, load, "
+      "governor, "
+      "processor.");
   auto files = std::make_shared<std::vector<std::string>>();
   auto plot = std::make_shared<std::string>();
   command->add_option("FILE", *files, "Results written by --json")->required()->expected(2, 16);
@@ -340,10 +346,8 @@ void add_jitter(CLI::App& app, Action& chosen) {
   command->add_option("--hgrm", options->hgrm_prefix,
                       "Write HdrHistogram percentiles to PREFIX-<channel>.hgrm, microseconds");
   command->add_option("--cyclictest", options->cyclictest_file,
-                      "Write a histogram as cyclictest -h does, one column per channel");
-  command->add_option("--bucket", options->bucket_us, "Microseconds per line of that histogram")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+                      "Write a histogram as cyclictest -h --histfile does; its threads are the "
+                      "channels, in the order of the table");
   command->add_option("--plot", options->plot_file, "Draw percentile curves and histograms, SVG");
   add_compare(*command, chosen);
   command->callback([options, command, &chosen] {

@@ -43,6 +43,8 @@ void Recorder::take(const Instants& frame) CARGOBAY_NONBLOCKING {
       // A stamp before its reference is the same instant, read on two processors.
       const auto value =
           static_cast<std::uint64_t>(std::max<std::int64_t>(0, at_ns - frame.complete_ns));
+      std::uint64_t& least = measured_.least_ns[index];
+      least = measured_.seen[index] ? std::min(least, value) : value;
       measured_.seen[index] = true;
       measured_.stages[index].record_corrected(value, period_ns);
       if (stage == measured_.headline) headline(value);
@@ -58,12 +60,11 @@ void Recorder::take(const Instants& frame) CARGOBAY_NONBLOCKING {
 }
 
 void Recorder::headline(std::uint64_t value) CARGOBAY_NONBLOCKING {
-  constexpr std::uint64_t kMost = 0xffff'ffffU;
   measured_.raw.record(value);
-  std::vector<std::uint32_t>& slice = measured_.slices.back().headline_ns;
+  std::vector<float>& slice = measured_.slices.back().headline_ns;
   // Its memory was reserved before the slice began.
   if (slice.size() < slice.capacity())
-    rt::unchecked([&] { slice.push_back(static_cast<std::uint32_t>(std::min(value, kMost))); });
+    rt::unchecked([&] { slice.push_back(static_cast<float>(value)); });
 }
 
 Recorder::Recorder(Measured& measured, const Settings& settings)

@@ -78,6 +78,34 @@ TEST(Histogram, CountsWhatWasOmitted) {
   EXPECT_EQ(histogram.count(), 12U) << "what is in time keeps nothing waiting";
 }
 
+// 1.5 intervals keep nothing waiting for as long as an interval: 0.5 of one never happened.
+TEST(Histogram, MakesUpNothingBelowOneInterval) {
+  Histogram histogram;
+  for (const std::uint64_t value : {11U, 15U, 19U}) histogram.record_corrected(value, 10);
+  EXPECT_EQ(histogram.count(), 3U);
+  EXPECT_EQ(histogram.min(), 11U);
+  histogram.record_corrected(39, 10);  // and 29 and 19
+  EXPECT_EQ(histogram.count(), 6U);
+  EXPECT_EQ(histogram.min(), 11U);
+}
+
+// HdrHistogram's own loop.
+TEST(Histogram, OmitsAsHdrHistogramDoes) {
+  for (std::uint64_t interval = 1; interval < 30; ++interval) {
+    for (std::uint64_t value = 0; value < 200; ++value) {
+      std::vector<std::uint64_t> wanted{value};
+      if (value > interval) {
+        for (std::uint64_t missing = value - interval; missing >= interval; missing -= interval)
+          wanted.push_back(missing);
+      }
+      ASSERT_EQ(Histogram::omitted(value, interval) + 1, wanted.size()) << value << ' ' << interval;
+      Histogram histogram;
+      histogram.record_corrected(value, interval);
+      ASSERT_EQ(histogram.min(), wanted.back()) << value << ' ' << interval;
+    }
+  }
+}
+
 TEST(Histogram, ShowsItsBuckets) {
   Histogram histogram;
   for (const std::uint64_t value : {3U, 3U, 70U, 1000U}) histogram.record(value);

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <vector>
 
 #include <fmt/format.h>
 
 namespace cargobay::cli {
 namespace {
+
+constexpr std::uint64_t kFewestRows = 1000;
+constexpr std::uint64_t kMostRows = 100'000;
 
 struct Moments {
   double mean_us = 0.0;
@@ -28,26 +32,61 @@ Moments moments(const ChannelSummary& channel) {
   return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
 }
 
-// The column of one channel: counts by bucket, and overflows.
+// One of cyclictest's threads, in its microseconds: whole ones, rounded down.
 struct Column {
-  std::vector<std::uint64_t> counts;
-  std::uint64_t overflows = 0;
-  std::uint64_t total = 0;
-  double sum_us = 0.0;
+  std::vector<std::uint64_t> counts{};
+  std::uint64_t within = 0;  // of the histogram
+  std::uint64_t cycles = 0;
+  std::uint64_t least = ~std::uint64_t{0};
+  std::uint64_t most = 0;
+  std::uint64_t sum = 0;
+  std::vector<std::uint64_t> overflows{};  // their cycles, counted from 0
 };
-Column column(const ChannelSummary& channel, std::uint64_t bucket_us, std::uint64_t most_us) {
-  Column out{.counts = std::vector<std::uint64_t>(static_cast<std::size_t>(most_us / bucket_us))};
-  for (const auto& [value, count] : channel.raw_buckets) {
-    const auto bucket = static_cast<std::size_t>(value / 1000 / bucket_us);
-    if (bucket < out.counts.size()) {
-      out.counts[bucket] += count;
-    } else {
-      out.overflows += count;
-    }
-    out.total += count;
-    out.sum_us += us(value) * static_cast<double>(count);
+
+template <typename See>
+void see_us(const hal::jitter::Measured& channel, See see) {
+  for (const hal::jitter::Slice& slice : channel.slices) {
+    for (const float ns : slice.headline_ns) see(static_cast<std::uint64_t>(ns) / 1000);
   }
+}
+
+Column column(const hal::jitter::Measured& channel, std::uint64_t rows) {
+  Column out{.counts = std::vector<std::uint64_t>(rows)};
+  see_us(channel, [&](std::uint64_t us) {
+    if (us < rows) {
+      ++out.counts[us];
+      ++out.within;
+    } else {
+      out.overflows.push_back(out.cycles);
+    }
+    ++out.cycles;
+    out.least = std::min(out.least, us);
+    out.most = std::max(out.most, us);
+    out.sum += us;
+  });
+  if (out.cycles == 0) out.least = 0;
   return out;
+}
+
+// As many rows as somebody would have asked cyclictest for.
+std::uint64_t rows_for(std::span<const hal::jitter::Measured* const> channels) {
+  std::uint64_t most = 0;
+  for (const hal::jitter::Measured* channel : channels)
+    see_us(*channel, [&most](std::uint64_t us) { most = std::max(most, us); });
+  std::uint64_t rows = kFewestRows;
+  while (rows <= most && rows < kMostRows) rows *= 10;
+  return rows;
+}
+
+// It keeps as many overflows as there are rows.
+void put_overflows(std::string& out, std::size_t thread, const Column& of) {
+  const auto to_out = std::back_inserter(out);
+  fmt::format_to(to_out, "# Thread {}:", thread);
+  const std::size_t kept = std::min(of.overflows.size(), of.counts.size());
+  for (std::size_t i = 0; i < kept; ++i) fmt::format_to(to_out, " {:05}", of.overflows[i]);
+  if (kept < of.overflows.size())
+    fmt::format_to(to_out, " # {:05} others", of.overflows.size() - kept);
+  out += '\n';
 }
 
 }  // namespace
@@ -82,41 +121,35 @@ std::string hgrm(const ChannelSummary& channel) {
   return out;
 }
 
-std::string cyclictest(const JitterSummary& summary, std::uint64_t bucket_us,
-                       std::uint64_t most_us) {
+std::string cyclictest(std::span<const hal::jitter::Measured* const> channels) {
+  const std::uint64_t rows = rows_for(channels);
   std::vector<Column> columns;
-  columns.reserve(summary.channels.size());
-  for (const ChannelSummary& channel : summary.channels)
-    columns.push_back(column(channel, bucket_us, most_us));
-  std::string out = "# Channels:";
+  columns.reserve(channels.size());
+  for (const hal::jitter::Measured* channel : channels) columns.push_back(column(*channel, rows));
+  std::string out = "# Histogram\n";
   const auto to_out = std::back_inserter(out);
-  for (const ChannelSummary& channel : summary.channels)
-    fmt::format_to(to_out, " {}", channel.name);
-  out += "\n# Histogram\n";
-  const auto buckets = static_cast<std::size_t>(most_us / bucket_us);
-  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    const bool empty = std::ranges::all_of(
-        columns, [bucket](const Column& each) { return each.counts[bucket] == 0; });
-    if (empty) continue;
-    fmt::format_to(to_out, "{:06}", bucket * bucket_us);
-    for (const Column& each : columns) fmt::format_to(to_out, "\t{:06}", each.counts[bucket]);
+  for (std::uint64_t row = 0; row < rows; ++row) {
+    fmt::format_to(to_out, "{:06} ", row);
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      fmt::format_to(to_out, "{}{:06}", i == 0 ? "" : "\t", columns[i].counts[row]);
     out += '\n';
   }
-  const auto line = [&](const char* what, auto figure) {
+  const auto line = [&](const char* what, int digits, auto figure) {
     out += what;
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      fmt::format_to(to_out, " {:05}", static_cast<std::uint64_t>(figure(i)));
+    for (const Column& each : columns)
+      fmt::format_to(to_out, " {:0{}}", std::uint64_t{figure(each)}, digits);
     out += '\n';
   };
-  line("# Total:", [&](std::size_t i) { return columns[i].total; });
-  line("# Min Latencies:", [&](std::size_t i) { return summary.channels[i].raw.min / 1000; });
-  line("# Avg Latencies:", [&](std::size_t i) {
-    const auto total = static_cast<double>(std::max<std::uint64_t>(columns[i].total, 1));
-    return columns[i].sum_us / total;
-  });
-  line("# Max Latencies:", [&](std::size_t i) { return summary.channels[i].raw.max / 1000; });
-  line("# Histogram Overflows:", [&](std::size_t i) { return columns[i].overflows; });
-  return out;
+  line("# Total:", 9, [](const Column& of) { return of.within; });
+  line("# Min Latencies:", 5, [](const Column& of) { return of.least; });
+  line("# Avg Latencies:", 5,
+       [](const Column& of) { return of.cycles == 0 ? 0 : of.sum / of.cycles; });
+  line("# Max Latencies:", 5, [](const Column& of) { return of.most; });
+  line("# Histogram Overflows:", 5,
+       [](const Column& of) { return std::uint64_t{of.overflows.size()}; });
+  out += "# Histogram Overflow at cycle number:\n";
+  for (std::size_t i = 0; i < columns.size(); ++i) put_overflows(out, i, columns[i]);
+  return out + "\n";
 }
 
 }  // namespace cargobay::cli

@@ -1,6 +1,7 @@
 // The results of `cargobay jitter` in other programs' formats, for existing plotters.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "hal/cli/jitter/jitter_summary.hpp"
@@ -10,10 +11,9 @@ namespace cargobay::cli {
 // HdrHistogram's percentile output (hdr_percentiles_print), in microseconds, for one channel.
 std::string hgrm(const ChannelSummary& channel);
 
-// The histogram of `cyclictest -h`, one column per channel, in buckets of `bucket_us`. cyclictest
-// has buckets of 1 us and does not correct for coordinated omission; this does not correct either.
-// Values of `most_us` and more overflow.
-std::string cyclictest(const JitterSummary& summary, std::uint64_t bucket_us,
-                       std::uint64_t most_us);
+// What `cyclictest -h ROWS --histfile` of rt-tests 2.4 writes, byte for byte: one thread for each
+// channel, as measured, in whole microseconds, rounded down. ROWS is the first of 1000, 10 000 and
+// 100 000 that holds all values, or the last; what is longer overflows.
+std::string cyclictest(std::span<const hal::jitter::Measured* const> channels);
 
 }  // namespace cargobay::cli

@@ -1,4 +1,8 @@
-// The JSON of `cargobay jitter --json`, written and read.
+// The JSON of `cargobay jitter --json`, written and read. Ratios are not read: what is compared is
+// the channels' figures.
+#include <algorithm>
+#include <array>
+
 #include <nlohmann/json.hpp>
 
 #include "hal/cli/jitter/jitter_summary.hpp"
@@ -7,8 +11,6 @@ namespace cargobay::cli {
 namespace {
 
 using nlohmann::json;
-
-constexpr int kFormat = 1;
 
 json of(const Percentiles& p) {
   return {{"count", p.count}, {"min", p.min},   {"p50", p.p50}, {"p90", p.p90},
@@ -24,12 +26,28 @@ Percentiles percentiles(const json& in) {
           .max = in.at("max")};
 }
 
-json of(const hal::jitter::Estimate& estimate) {
-  return {{"ratio", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+constexpr std::array kLacks{hal::jitter::Lack::nothing, hal::jitter::Lack::slices,
+                            hal::jitter::Lack::values,  hal::jitter::Lack::steadiness,
+                            hal::jitter::Lack::time,    hal::jitter::Lack::unknown};
+
+json of(const hal::jitter::Estimate& estimate, const char* what) {
+  json out{{what, estimate.value}, {"lack", name(estimate.lack)}};
+  out["low"] = estimate.interval ? json(estimate.interval->low) : json{};
+  out["high"] = estimate.interval ? json(estimate.interval->high) : json{};
+  return out;
 }
-hal::jitter::Estimate estimate(const json& in) {
-  return {.value = in.at("ratio"), .low = in.at("low"), .high = in.at("high")};
+hal::jitter::Estimate estimate(const json& in, const char* what) {
+  hal::jitter::Estimate estimate{.value = in.at(what)};
+  const std::string lack = in.at("lack");
+  const auto found =
+      std::ranges::find_if(kLacks, [&lack](hal::jitter::Lack each) { return name(each) == lack; });
+  estimate.lack = found == kLacks.end() ? hal::jitter::Lack::unknown : *found;
+  if (in.at("low").is_null() || in.at("high").is_null()) return estimate;
+  estimate.interval = {.low = in.at("low"), .high = in.at("high")};
+  return estimate;
 }
+
+constexpr const char* kValue = "value_ns";
 
 json of(const ChannelSummary& channel) {
   json stages = json::object();
@@ -41,12 +59,13 @@ json of(const ChannelSummary& channel) {
           {"missed", channel.missed},
           {"latency_ns", of(channel.figures)},
           {"uncorrected_ns", of(channel.raw)},
+          {"confidence", {{"p50", of(channel.p50, kValue)}, {"p99", of(channel.p99, kValue)}}},
           {"stages_ns", stages},
           {"histogram_ns", channel.buckets},
           {"uncorrected_histogram_ns", channel.raw_buckets},
           {"slices_p50_p99_ns", channel.slices}};
 }
-ChannelSummary channel(const json& in) {
+ChannelSummary channel(const json& in, int format) {
   ChannelSummary channel{.name = in.at("name"),
                          .headline = in.at("headline"),
                          .period_ns = in.at("period_ns"),
@@ -59,6 +78,17 @@ ChannelSummary channel(const json& in) {
   in.at("histogram_ns").get_to(channel.buckets);
   in.at("uncorrected_histogram_ns").get_to(channel.raw_buckets);
   in.at("slices_p50_p99_ns").get_to(channel.slices);
+  if (format == 1) {
+    const auto unknown = [](std::uint64_t value) {
+      return hal::jitter::Estimate{.value = static_cast<double>(value),
+                                   .lack = hal::jitter::Lack::unknown};
+    };
+    channel.p50 = unknown(channel.figures.p50);
+    channel.p99 = unknown(channel.figures.p99);
+  } else {
+    channel.p50 = estimate(in.at("confidence").at("p50"), kValue);
+    channel.p99 = estimate(in.at("confidence").at("p99"), kValue);
+  }
   return channel;
 }
 
@@ -112,11 +142,11 @@ std::string json(const JitterSummary& summary) {
   for (const RatioSummary& ratio : summary.ratios) {
     ratios.push_back({{"over", ratio.over},
                       {"under", ratio.under},
-                      {"p50", of(ratio.p50)},
-                      {"p99", of(ratio.p99)}});
+                      {"p50", of(ratio.p50, "ratio")},
+                      {"p99", of(ratio.p99, "ratio")}});
   }
   const nlohmann::json out{
-      {"cargobay_jitter", kFormat},
+      {"cargobay_jitter", kJitterFormat},
       {"link", summary.link},
       {"seconds", summary.seconds},
       {"scheduler", summary.fifo ? "SCHED_FIFO" : "SCHED_OTHER"},
@@ -135,9 +165,11 @@ hal::Result<JitterSummary> read_jitter(const std::string& text, const std::strin
   const std::string remedy = "; such a file is written by: cargobay jitter --json FILE";
   try {
     const nlohmann::json in = nlohmann::json::parse(text);
-    if (in.at("cargobay_jitter") != kFormat)
+    const int format = in.at("cargobay_jitter");
+    if (format < 1 || format > kJitterFormat)
       return hal::Failure{label + " is from another version of cargobay jitter; measure again"};
     JitterSummary summary{.label = label,
+                          .format = format,
                           .link = in.at("link"),
                           .seconds = in.at("seconds"),
                           .fifo = in.at("scheduler") == "SCHED_FIFO",
@@ -146,13 +178,8 @@ hal::Result<JitterSummary> read_jitter(const std::string& text, const std::strin
                           .load = in.at("load"),
                           .conditions = conditions(in.at("conditions")),
                           .usage = usage(in.at("usage"))};
-    for (const nlohmann::json& each : in.at("channels")) summary.channels.push_back(channel(each));
-    for (const nlohmann::json& each : in.at("ratios")) {
-      summary.ratios.push_back({.over = each.at("over"),
-                                .under = each.at("under"),
-                                .p50 = estimate(each.at("p50")),
-                                .p99 = estimate(each.at("p99"))});
-    }
+    for (const nlohmann::json& each : in.at("channels"))
+      summary.channels.push_back(channel(each, format));
     return summary;
   } catch (const nlohmann::json::exception&) {
     return hal::Failure{label + " is not a result of cargobay jitter" + remedy};

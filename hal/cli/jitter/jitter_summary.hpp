@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/doctor/conditions.hpp"
-#include "hal/jitter/bootstrap.hpp"
+#include "hal/jitter/estimate.hpp"
 #include "hal/jitter/run.hpp"
 #include "hal/result.hpp"
 
@@ -32,15 +32,17 @@ struct ChannelSummary {
   std::uint64_t period_ns = 0;
   std::uint64_t frames = 0;
   std::uint64_t missed = 0;
-  Percentiles figures{};  // corrected for coordinated omission
-  Percentiles raw{};      // as measured
+  Percentiles figures{};        // corrected for coordinated omission
+  Percentiles raw{};            // as measured
+  hal::jitter::Estimate p50{};  // those of `figures`
+  hal::jitter::Estimate p99{};
   std::vector<std::pair<std::string, Percentiles>> stages{};
   std::vector<std::pair<std::uint64_t, std::uint64_t>> buckets{};      // corrected: value, count
   std::vector<std::pair<std::uint64_t, std::uint64_t>> raw_buckets{};  // as measured
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> slices{};       // p50 and p99 of each
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> slices{};       // p50 and p99 of each
 };
 
-// The ratio of two channels' headlines, as measured.
+// The ratio of two channels' figures.
 struct RatioSummary {
   std::string over{};
   std::string under{};
@@ -48,9 +50,13 @@ struct RatioSummary {
   hal::jitter::Estimate p99{};
 };
 
+// Of the JSON. Format 1 counted waits below one period that nobody had, and had no intervals.
+inline constexpr int kJitterFormat = 2;
+
 struct JitterSummary {
   std::string label{};  // the file it was read from; empty for this run
-  std::string link{};   // "virtual Create", a port, or empty
+  int format = kJitterFormat;
+  std::string link{};  // "virtual Create", a port, or empty
   double seconds = 0.0;
   bool fifo = false;
   int priority = 0;
@@ -64,14 +70,10 @@ struct JitterSummary {
   const ChannelSummary* channel(std::string_view name) const;
 };
 
-// full: takes about a second per ratio, and longer after hours of measuring. hurried, when a user
-// waits for the end: a second for everything, with wider intervals and without ratios of more than
-// 500 000 frames.
+// full: takes a second for each million frames at worst. hurried, when a user waits for the end: a
+// channel of more than a million frames has no intervals, and percentiles to 0.8 %.
 enum class Care : std::uint8_t { full, hurried };
 JitterSummary summarise(const hal::jitter::Run& run, Care care);
-
-// Compares one channel in both runs, from the percentiles of its slices.
-hal::jitter::Estimate compare(const ChannelSummary& a, const ChannelSummary& b, double percent);
 
 std::string json(const JitterSummary& summary);
 // Fails, and says why, if the text is not what json() writes.

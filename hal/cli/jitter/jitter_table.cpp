@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "hal/cli/jitter/jitter_confidence.hpp"
+
 namespace cargobay::cli {
 namespace {
 
@@ -106,14 +108,14 @@ void put_stages(std::string& out, const JitterSummary& summary) {
 void put_ratios(std::string& out, const JitterSummary& summary) {
   const auto to_out = std::back_inserter(out);
   if (summary.ratios.empty()) return;
-  fmt::format_to(to_out, "Ratios, 95 % confidence{:>23}{:>25}\n", "p50", "p99");
+  fmt::format_to(to_out, "{:<28}{:<25}{}\n", "Ratios, 95 % confidence", "p50", "p99");
   for (const RatioSummary& ratio : summary.ratios) {
     const bool same = ratio.over == "again";
-    fmt::format_to(to_out, "  {:<24}{:>9.3f} [{:.3f}, {:.3f}]{:>9.3f} [{:.3f}, {:.3f}]{}\n",
-                   ratio.over + " / " + ratio.under, ratio.p50.value, ratio.p50.low, ratio.p50.high,
-                   ratio.p99.value, ratio.p99.low, ratio.p99.high,
+    fmt::format_to(to_out, "  {:<26}{:<25}{}{}\n", ratio.over + " / " + ratio.under,
+                   ratio_text(ratio.p50), ratio_text(ratio.p99),
                    same ? "  the same thing twice: the noise" : "");
   }
+  out += lacks({&summary, 1});
 }
 
 void put_conditions(std::string& out, const JitterSummary& summary) {
@@ -154,36 +156,6 @@ std::string table(const JitterSummary& summary, Bars bars) {
   put_stages(out, summary);
   put_ratios(out, summary);
   put_conditions(out, summary);
-  return out;
-}
-
-std::string comparison(const std::vector<JitterSummary>& all) {
-  std::string out;
-  const auto to_out = std::back_inserter(out);
-  fmt::format_to(to_out, "{:<7} {:<26}{:>9}{:>9}{:>10}  us   against the first, 95 % confidence\n",
-                 "Channel", "", "p50", "p99", "max");
-  for (const ChannelSummary& first : all.front().channels) {
-    for (const JitterSummary& summary : all) {
-      const ChannelSummary* const channel = summary.channel(first.name);
-      if (channel == nullptr) continue;
-      fmt::format_to(to_out, "{:<7} {:<26}{:>9.1f}{:>9.1f}{:>10.1f}", channel->name, summary.label,
-                     us(channel->figures.p50), us(channel->figures.p99), us(channel->figures.max));
-      if (&summary != &all.front()) {
-        const hal::jitter::Estimate p50 = compare(*channel, first, 50);
-        const hal::jitter::Estimate p99 = compare(*channel, first, 99);
-        fmt::format_to(to_out, "      p50 x {:.2f} [{:.2f}, {:.2f}]  p99 x {:.2f} [{:.2f}, {:.2f}]",
-                       p50.value, p50.low, p50.high, p99.value, p99.low, p99.high);
-      }
-      out += '\n';
-    }
-  }
-  for (const JitterSummary& summary : all) {
-    fmt::format_to(to_out, "{}: {}, Linux {}, preemption {}, {}\n", summary.label,
-                   summary.conditions.processor, summary.conditions.kernel,
-                   summary.conditions.preemption,
-                   summary.fifo ? fmt::format("SCHED_FIFO {}", summary.priority)
-                                : std::string{"without real-time rights"});
-  }
   return out;
 }
 

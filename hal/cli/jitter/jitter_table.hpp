@@ -13,7 +13,5 @@ Bars bars_of_locale();
 
 // Headline, one row per channel with a small histogram, stages, ratios, conditions.
 std::string table(const JitterSummary& summary, Bars bars);
-// Each channel of every run, compared with the first run.
-std::string comparison(const std::vector<JitterSummary>& all);
 
 }  // namespace cargobay::cli

@@ -1,15 +1,12 @@
 // What the timing-jitter benchmark computes from instants, without a clock.
 #include <unistd.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <random>
 
 #include <gtest/gtest.h>
 
 #include "hal/doctor/conditions.hpp"
-#include "hal/jitter/bootstrap.hpp"
 #include "hal/jitter/channel.hpp"
 
 namespace cargobay::hal::jitter {
@@ -43,8 +40,9 @@ TEST(JitterRecorder, CountsWhatWaitedBehindALateOne) {
   recorder.take(frame(0, 100'000));
   recorder.take(frame(1'000'000, 3'500'000));
   EXPECT_EQ(measured.raw.count(), 2U);
-  // 3.5, 2.5, 1.5 and 0.5 ms beside the first.
-  EXPECT_EQ(measured.headline_ns().count(), 5U);
+  // 3.5, 2.5 and 1.5 ms beside the first: half a millisecond is within what is expected.
+  EXPECT_EQ(measured.headline_ns().count(), 4U);
+  EXPECT_EQ(measured.headline_ns().min(), 100'000U);
   EXPECT_EQ(measured.headline_ns().max(), 3'500'000U);
 }
 
@@ -53,61 +51,6 @@ TEST(JitterRecorder, TakesAStampBeforeItsBeginningForNone) {
   Recorder recorder{measured, {.warm_up = 0, .slice_frames = 1}};
   recorder.take(frame(1'000'000, -500));
   EXPECT_EQ(measured.raw.max(), 0U);
-}
-
-// Slices with similar values: `shift` from slice to slice.
-std::vector<Slice> slices(double scale, double shift, unsigned seed) {
-  std::mt19937 random{seed};
-  std::lognormal_distribution<double> values{0.0, 0.3};
-  std::normal_distribution<double> moods{0.0, shift};
-  std::vector<Slice> all(30);
-  for (Slice& slice : all) {
-    const double mood = std::exp(moods(random));
-    for (int i = 0; i < 100; ++i)
-      slice.headline_ns.push_back(
-          static_cast<std::uint32_t>(10'000.0 * scale * mood * values(random)));
-  }
-  return all;
-}
-
-TEST(Bootstrap, KnowsAPercentile) {
-  const std::vector<Slice> all{{.headline_ns = {5, 1, 3}}, {.headline_ns = {2, 4}}};
-  EXPECT_EQ(percentile(all, 50), 3.0);
-  EXPECT_EQ(percentile(all, 100), 5.0);
-  EXPECT_EQ(percentile(all, 0), 1.0);
-  EXPECT_EQ(percentile({}, 50), 0.0);
-}
-
-// For a hundred pairs of the same thing, about 95 intervals contain 1; a difference of a tenth
-// shows.
-TEST(Bootstrap, IsAsSureAsItSays) {
-  int holds = 0;
-  int sees = 0;
-  for (unsigned seed = 0; seed < 100; ++seed) {
-    const auto a = slices(1.0, 0.05, 2 * seed);
-    const auto b = slices(1.0, 0.05, 2 * seed + 1);
-    const Estimate same = ratio_of_percentiles(a, b, 50, seed, 100);
-    if (same.low <= 1.0 && same.high >= 1.0) ++holds;
-    const Estimate more = ratio_of_percentiles(slices(1.1, 0.05, 2 * seed), b, 50, seed, 100);
-    if (more.low > 1.0) ++sees;
-  }
-  EXPECT_GE(holds, 86);
-  EXPECT_LE(holds, 100);
-  EXPECT_GE(sees, 95);
-}
-
-// Neighbours are alike, because the machine has moods: single values would look more certain.
-TEST(Bootstrap, IsLessSureWhereSlicesDiffer) {
-  const Estimate calm = ratio_of_percentiles(slices(1.0, 0.0, 1), slices(1.0, 0.0, 2), 50);
-  const Estimate moody = ratio_of_percentiles(slices(1.0, 0.2, 1), slices(1.0, 0.2, 2), 50);
-  EXPECT_GT(moody.high - moody.low, 5.0 * (calm.high - calm.low));
-}
-
-TEST(Bootstrap, GivesTheSameAgain) {
-  const auto a = slices(1.0, 0.1, 1);
-  const auto b = slices(1.0, 0.1, 2);
-  EXPECT_EQ(ratio_of_percentiles(a, b, 99, 7).low, ratio_of_percentiles(a, b, 99, 7).low);
-  EXPECT_EQ(ratio_of_percentiles({}, b, 99).value, 0.0);
 }
 
 // A folder that looks like a Pi's /proc and /sys.
