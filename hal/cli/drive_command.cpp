@@ -17,6 +17,7 @@
 #include "hal/cli/connect/findings.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
 #include "hal/cli/connect/sim_options.hpp"
+#include "hal/cli/drawing/picture.hpp"
 #include "hal/cli/drive/drive_display.hpp"
 #include "hal/cli/drive/drive_links.hpp"
 #include "hal/cli/drive/drive_log.hpp"
@@ -76,7 +77,9 @@ hal::Result<void> save(const DriveReport& report, const DriveOptions& options,
   hal::Result<void> saved;
   if (!options.json_file.empty()) saved = outputs.write("--json", json(report));
   if (options.plot_file.empty()) return saved;
-  auto drawn = outputs.write("--plot", velocity_plot(samples, plot_title(report, options)));
+  const auto drawing =
+      picture(velocity_plot(samples, plot_title(report, options)), options.plot_file);
+  auto drawn = drawing ? outputs.write("--plot", *drawing) : drawing.failure();
   return saved ? drawn : saved;
 }
 

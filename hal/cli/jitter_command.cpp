@@ -15,6 +15,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/drawing/picture.hpp"
 #include "hal/cli/jitter/jitter_comparison.hpp"
 #include "hal/cli/jitter/jitter_formats.hpp"
 #include "hal/cli/jitter/jitter_plot.hpp"
@@ -124,6 +125,7 @@ std::size_t rounds(const JitterOptions& options, const jitter::Settings& of) {
 std::string hgrm_key(std::string_view channel) { return fmt::format("--hgrm of {}", channel); }
 
 hal::Result<void> open_outputs(const JitterOptions& options, Outputs& outputs) {
+  if (auto good = check_picture_name("--plot", options.plot_file); !good) return good;
   protect_config(options.connection, outputs);
   if (auto done = outputs.open("--json", options.json_file); !done) return done;
   if (auto done = outputs.open("--cyclictest", options.cyclictest_file); !done) return done;
@@ -151,9 +153,11 @@ hal::Result<void> save(const jitter::Run& run, const JitterSummary& summary,
     write("--cyclictest", cyclictest(channels));
   }
   if (!options.plot_file.empty()) {
-    write("--plot", jitter_plot({summary},
-                                fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
-                                            options.period_ms, options.load ? ", loaded" : "")));
+    const std::string title = fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
+                                          options.period_ms, options.load ? ", loaded" : "");
+    const auto drawing = picture(jitter_plot({summary}, title), options.plot_file);
+    if (drawing) write("--plot", *drawing);
+    if (!drawing && saved) saved = drawing.failure();
   }
   if (options.hgrm_prefix.empty()) return saved;
   for (const ChannelSummary& channel : summary.channels)
@@ -262,6 +266,7 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
     print_error(failure.message);
     return kFailure;
   };
+  if (const auto good = check_picture_name("--plot", plot_file); !good) return fail(good.failure());
   Outputs outputs;
   for (const std::string& file : files) outputs.protect("a file to be compared", file);
   if (const auto done = outputs.open("--plot", plot_file); !done) return fail(done.failure());
@@ -273,7 +278,9 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
   }
   fmt::print("{}", comparison(all));
   if (plot_file.empty()) return kSuccess;
-  const auto done = outputs.write("--plot", jitter_plot(all, "Timing jitter, compared"));
+  const auto drawing = picture(jitter_plot(all, "Timing jitter, compared"), plot_file);
+  if (!drawing) return fail(drawing.failure());
+  const auto done = outputs.write("--plot", *drawing);
   return done ? kSuccess : fail(done.failure());
 }
 
@@ -289,7 +296,8 @@ void add_compare(CLI::App& jitter, Action& chosen) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto plot = std::make_shared<std::string>();
   command->add_option("FILE", *files, "Results written by --json")->required()->expected(2, 16);
-  command->add_option("--plot", *plot, "Draw all of them into this SVG file");
+  command->add_option("--plot", *plot,
+                      "Draw all of them into this file: SVG, or PNG if it ends in .png");
   command->callback(
       [files, plot, &chosen] { chosen = [files, plot] { return run_compare(*files, *plot); }; });
 }
@@ -348,7 +356,9 @@ void add_jitter(CLI::App& app, Action& chosen) {
   command->add_option("--cyclictest", options->cyclictest_file,
                       "Write a histogram as cyclictest -h --histfile does; its threads are the "
                       "channels, in the order of the table");
-  command->add_option("--plot", options->plot_file, "Draw percentile curves and histograms, SVG");
+  command->add_option(
+      "--plot", options->plot_file,
+      "Draw percentile curves and histograms: SVG, or PNG if the name ends in .png");
   add_compare(*command, chosen);
   command->callback([options, command, &chosen] {
     if (command->get_subcommands().empty()) chosen = [options] { return run_jitter(*options); };

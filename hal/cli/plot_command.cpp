@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/drawing/picture.hpp"
 #include "hal/cli/drive/drive_log.hpp"
 #include "hal/cli/drive/velocity_plot.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
@@ -60,6 +61,8 @@ int plot(PlotOptions options) {
     return kFailure;
   };
   if (options.output.empty()) options.output = options.file == "-" ? "-" : options.file + ".svg";
+  if (const auto good = check_picture_name("--output", options.output); !good)
+    return fail(good.failure());
   Outputs outputs;
   outputs.protect("the recording", options.file);
   if (const auto done = outputs.open("--output", options.output); !done)
@@ -68,9 +71,11 @@ int plot(PlotOptions options) {
   if (!loaded) return fail(loaded.failure());
   const std::vector<hal::CycleState> states = states_of(loaded->recording);
   if (states.empty()) return fail({options.file + " holds no frame: there is nothing to draw"});
-  const std::string drawing =
-      velocity_plot(join(states, {}), title(loaded->recording.header()), Intervals::drawn);
-  if (const auto done = outputs.write("--output", drawing); !done) return fail(done.failure());
+  const auto drawing =
+      picture(velocity_plot(join(states, {}), title(loaded->recording.header()), Intervals::drawn),
+              options.output);
+  if (!drawing) return fail(drawing.failure());
+  if (const auto done = outputs.write("--output", *drawing); !done) return fail(done.failure());
   if (options.output != "-") fmt::print("Drew {} frames in {}\n", states.size(), options.output);
   return kSuccess;
 }
@@ -87,7 +92,7 @@ void add_plot(CLI::App& app, Action& chosen) {
       ->add_option("file", options->file, "A file written by drive --record; - for standard input")
       ->required();
   command->add_option("-o,--output", options->output,
-                      "The SVG file; - for standard output [FILE.svg]");
+                      "The SVG file, or PNG if it ends in .png; - for standard output [FILE.svg]");
   command->footer(
       "Examples:\n"
       "  cargobay drive --profile steps --record steps.rec\n"

@@ -11,6 +11,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/sim_faults.hpp"
 #include "hal/cli/connect/sim_options.hpp"
+#include "hal/cli/drawing/picture.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
@@ -61,10 +62,9 @@ int fail(const std::string& message) {
 // The path of the robot with that index, if there are several: PATH.0, and FILE.0.svg.
 std::string numbered(const std::string& path, std::size_t index, std::size_t count) {
   if (path.empty() || count == 1) return path;
-  constexpr std::string_view kDrawing = ".svg";
-  const bool drawing = path.ends_with(kDrawing);
-  const std::string stem = path.substr(0, path.size() - (drawing ? kDrawing.size() : 0));
-  return fmt::format("{}.{}{}", stem, index, drawing ? kDrawing : "");
+  const bool drawing = path.ends_with(".svg") || path.ends_with(".png");
+  const std::size_t stem = path.size() - (drawing ? 4 : 0);
+  return fmt::format("{}.{}{}", path.substr(0, stem), index, path.substr(stem));
 }
 
 std::string trace_key(std::size_t index) { return fmt::format("--trace of robot {}", index); }
@@ -169,13 +169,16 @@ void serve(StopSignals& signals, std::vector<PlannedFault> faults, std::vector<S
 }
 
 int write_traces(const hal::sim::World& world, const std::vector<Served>& robots,
-                 Outputs& outputs) {
+                 const std::string& file, Outputs& outputs) {
   int result = kSuccess;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (!robots[i].path) continue;
-    const std::string drawing = hal::sim::draw(world, robots[i].path->path());
-    if (const auto done = outputs.write(trace_key(i), drawing); !done)
+    const auto drawing = picture(hal::sim::draw(world, robots[i].path->path()), file);
+    if (!drawing) {
+      result = fail(drawing.failure().message);
+    } else if (const auto done = outputs.write(trace_key(i), *drawing); !done) {
       result = fail(done.failure().message);
+    }
   }
   return result;
 }
@@ -194,6 +197,8 @@ int run(const ServeOptions& options) {
   }
   std::vector<PlannedFault> faults = planned_faults(options);
   std::vector<Served> robots(options.count);
+  if (const auto good = check_picture_name("--trace", options.trace); !good)
+    return fail(good.failure().message);
   Outputs outputs;
   protect_places(options, outputs);
   for (std::size_t i = 0; i < robots.size(); ++i) {
@@ -224,7 +229,7 @@ int run(const ServeOptions& options) {
     robot.control.reset();
     robot.server->stop();
   }
-  return write_traces(surroundings.world, robots, outputs);
+  return write_traces(surroundings.world, robots, options.trace, outputs);
 }
 
 std::string footer() {
@@ -265,8 +270,10 @@ void add_places(CLI::App& command, ServeOptions& options) {
       ->check(printable_path());
   command.add_option("--world", options.world,
                      "Put it in the world that this text file describes; examples/worlds has some");
-  command.add_option("--trace", options.trace,
-                     "Draw its path through its world to this SVG file at the end");
+  command.add_option(
+      "--trace", options.trace,
+      "Draw its path through its world to this file at the end: SVG, or PNG if it ends "
+      "in .png");
   command
       .add_option("--count", options.count,
                   "Serve this many robots, each alone in its world; --link, --control and --trace "

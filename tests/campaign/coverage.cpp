@@ -1,7 +1,6 @@
-// coverage [--runs N]: how often the intervals of `cargobay jitter` hold what they should, on
-// synthetic latencies that depend on each other as those of a machine do. docs/statistics.md has the
-// table that it prints. Exits with 1 if, of the models marked as tested, an interval of 95 % holds in
-// fewer than 93 or more than 97 % of the runs.
+// coverage [--runs N] [--slices N]: how often the intervals of `cargobay jitter` hold what they
+// should, on synthetic latencies that depend on each other as those of a machine do. Prints the table
+// of docs/statistics.md. Exits with 1 if an interval of 95 % holds in fewer than 93 or more than 97 %.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include "hal/cli/drawing/picture.hpp"
 #include "hal/cli/drive/profile.hpp"
 #include "hal/config/settings.hpp"
 #include "hal/range.hpp"
@@ -58,6 +59,7 @@ hal::Result<void> check(const DriveOptions& options) {
 }
 
 hal::Result<void> open_outputs(const DriveOptions& options, Outputs& outputs) {
+  if (auto good = check_picture_name("--plot", options.plot_file); !good) return good;
   protect_config(options.connection, outputs);
   if (options.learnt.file && *options.learnt.file != "none")
     outputs.protect("what was learnt", *options.learnt.file);
@@ -151,8 +153,10 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
                    "(--reconnect=60; 30 by default), and drive on when it is back");
   command.add_option("--json", options.json_file,
                      "Write the results to this file; - for standard output");
-  command.add_option("--plot", options.plot_file,
-                     "Draw set, true, estimated and commanded speed to this SVG file");
+  command.add_option(
+      "--plot", options.plot_file,
+      "Draw set, true, estimated and commanded speed to this file: SVG, or PNG if it "
+      "ends in .png");
   command.add_option("--record", options.record_file,
                      "Record every byte, time and state to this file, for cargobay replay and plot "
                      "(about 10 kB a second)");

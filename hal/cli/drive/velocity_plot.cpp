@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "hal/cli/terminal/xml_text.hpp"
+#include "hal/cli/drawing/svg_page.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kPanelHeight = 300.0;
 constexpr double kIntervalHeight = 120.0;
 constexpr double kLeft = 70.0;
 constexpr double kRight = 150.0;  // for the labels
-constexpr double kTop = 46.0;
+constexpr double kTop = 26.0;     // from the heading to the first panel
 constexpr double kGap = 44.0;
 constexpr double kBottom = 48.0;
 
@@ -165,18 +165,25 @@ double duration(const std::vector<DriveSample>& samples) {
   return std::max(samples.back().time_s, 0.1);
 }
 
-std::string wheel_panel(const std::string& name, double rt::WheelSpeeds::* wheel,
-                        const std::vector<DriveSample>& samples, double top, TimeAxis time_axis) {
-  const std::vector<Curve> all = curves(wheel, samples.back().truth.has_value());
+// Of both wheels: what looks higher is faster, on whichever side.
+Range speeds(const std::vector<DriveSample>& samples) {
   Range range;
   range.include(0.0);
-  for (const Curve& curve : all) {
-    for (const DriveSample& sample : samples) range.include(curve.value(sample));
+  for (const auto wheel : {&rt::WheelSpeeds::left_mm_s, &rt::WheelSpeeds::right_mm_s}) {
+    for (const Curve& curve : curves(wheel, samples.back().truth.has_value())) {
+      for (const DriveSample& sample : samples) range.include(curve.value(sample));
+    }
   }
   const double margin = std::max(0.05 * (range.high - range.low), 5.0);
-  Panel panel{top, kPanelHeight, duration(samples), {range.low - margin, range.high + margin}};
+  return {range.low - margin, range.high + margin};
+}
+
+std::string wheel_panel(const std::string& name, double rt::WheelSpeeds::* wheel,
+                        const std::vector<DriveSample>& samples, double top, TimeAxis time_axis) {
+  Panel panel{top, kPanelHeight, duration(samples), speeds(samples)};
   panel.frame(name + " wheel, mm/s", time_axis);
-  for (const Curve& curve : all) panel.draw(curve, samples);
+  for (const Curve& curve : curves(wheel, samples.back().truth.has_value()))
+    panel.draw(curve, samples);
   panel.write_labels();
   return panel.svg();
 }
@@ -200,24 +207,19 @@ std::string interval_panel(const std::vector<DriveSample>& samples, double top) 
 std::string velocity_plot(const std::vector<DriveSample>& samples, const std::string& title,
                           Intervals intervals) {
   const bool third = intervals == Intervals::drawn;
-  const double right_top = kTop + kPanelHeight + kGap;
+  const Heading heading{.title = title};
+  const double top = heading_height(heading, kWidth) + kTop;
+  const double right_top = top + kPanelHeight + kGap;
   const double third_top = right_top + kPanelHeight + kGap;
   const double height = (third ? third_top + kIntervalHeight : right_top + kPanelHeight) + kBottom;
-  std::string svg = fmt::format(
-      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" font-family="sans-serif" font-size="13" fill="#222">)"
-      "\n"
-      R"(<rect width="{0}" height="{1}" fill="white"/>)"
-      "\n"
-      R"(<text x="{2}" y="20" font-size="15">{3}</text>)"
-      "\n",
-      kWidth, height, kLeft, xml_text(title));
+  std::string svg;
   if (!samples.empty()) {
-    svg += wheel_panel("Left", &rt::WheelSpeeds::left_mm_s, samples, kTop, TimeAxis::unlabelled);
+    svg += wheel_panel("Left", &rt::WheelSpeeds::left_mm_s, samples, top, TimeAxis::unlabelled);
     svg += wheel_panel("Right", &rt::WheelSpeeds::right_mm_s, samples, right_top,
                        third ? TimeAxis::unlabelled : TimeAxis::labelled);
     if (third) svg += interval_panel(samples, third_top);
   }
-  return svg + "</svg>\n";
+  return svg_page(kWidth, height, kLeft, heading, svg);
 }
 
 }  // namespace cargobay::cli

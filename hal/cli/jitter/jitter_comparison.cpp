@@ -96,11 +96,11 @@ std::string differences(const JitterSummary& first, const JitterSummary& other) 
   return out;
 }
 
-void put_row(std::string& out, const JitterSummary& run, const ChannelSummary& channel,
-             const ChannelSummary* first) {
+void put_row(std::string& out, std::size_t names, const JitterSummary& run,
+             const ChannelSummary& channel, const ChannelSummary* first) {
   const Percentiles& figures = channel.figures;
-  fmt::format_to(std::back_inserter(out), "{:<7} {:<26}{:>9.1f}{:>9.1f}{:>10.1f}", channel.name,
-                 run.label, us(figures.p50), us(figures.p99), us(figures.max));
+  fmt::format_to(std::back_inserter(out), "{:<7} {:<{}}{:>9.1f}{:>9.1f}{:>10.1f}", channel.name,
+                 run.label, names, us(figures.p50), us(figures.p99), us(figures.max));
   if (first != nullptr) {
     fmt::format_to(std::back_inserter(out), "      p50 x {}  p99 x {}",
                    ratio_text(ratio(channel.p50, first->p50)),
@@ -125,14 +125,16 @@ void put_unmatched(std::string& out, const JitterSummary& first, const JitterSum
 
 std::string comparison(const std::vector<JitterSummary>& all) {
   const JitterSummary& first = all.front();
+  std::size_t names = 16;
+  for (const JitterSummary& run : all) names = std::max(names, run.label.size());
   std::string out =
-      fmt::format("{:<7} {:<26}{:>9}{:>9}{:>10}  us   ratios to the first, 95 % confidence\n",
-                  "Channel", "", "p50", "p99", "max");
+      fmt::format("{:<7} {:<{}}{:>9}{:>9}{:>10}  us   ratios to the first, 95 % confidence\n",
+                  "Channel", "", names, "p50", "p99", "max");
   for (const ChannelSummary& channel : first.channels) {
-    put_row(out, first, channel, nullptr);
+    put_row(out, names, first, channel, nullptr);
     for (auto other = std::next(all.begin()); other != all.end(); ++other) {
       const ChannelSummary* const same = other->channel(channel.name);
-      if (same != nullptr) put_row(out, *other, *same, &channel);
+      if (same != nullptr) put_row(out, names, *other, *same, &channel);
     }
   }
   out += lacks(all);

@@ -76,7 +76,7 @@ std::string lacks(std::span<const JitterSummary> runs) {
   for (const Reason& reason : kReasons) {
     const Found found = find(runs, reason.lack);
     if (found.where.empty()) continue;
-    constexpr std::size_t kNamed = 3;
+    constexpr std::size_t kNamed = 2;
     const std::size_t named = std::min(found.where.size(), kNamed);
     std::string where = fmt::format(
         "{}", fmt::join(found.where.begin(),

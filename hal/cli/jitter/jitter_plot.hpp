@@ -9,7 +9,7 @@
 namespace cargobay::cli {
 
 // Above, the percentile curve of each channel, latency over rarity; below, the histograms; both
-// logarithmic, labelled at the curves. With several runs, every channel of every run.
+// logarithmic. A channel has its colour, and a run its dash; a legend names them.
 std::string jitter_plot(const std::vector<JitterSummary>& runs, const std::string& title);
 
 }  // namespace cargobay::cli

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "hal/sim/safety.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr double kMarginMm = 200.0;
 constexpr double kMmPerPixel = 6.0;
-constexpr double kLegendMm = 260.0;  // two rows of it, below the floor
 constexpr double kFewestMm = 800.0;  // the least that is shown, in each direction
 constexpr double kGridMm = 500.0;
 constexpr double kPointApartMm = 5.0;
@@ -26,22 +26,33 @@ constexpr double kBeamHalfDeg = 10.0;
 constexpr double kBuoyMm = 700.0;  // a longer one would hide the room
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-// Widths, sizes and colours.
-constexpr std::string_view kStyle =
-    "<style>*{fill:none}text{font:70px sans-serif;fill:#666}"
-    ".floor{fill:#fff}.grid{stroke:#e6e6e6;stroke-width:4}"
-    ".cliff{fill:url(#hatch);stroke:#c33;stroke-width:10}"
-    ".beam{fill:#36c;fill-opacity:.13}.lamp{fill:#36c}"
-    ".red{fill:#d33;fill-opacity:.18}.green{fill:#2a2;fill-opacity:.18}.base{fill:#333}"
-    ".solid{fill:#cfc6b8;stroke:#7a6f60;stroke-width:10}"
-    ".wall{stroke:#222;stroke-width:30;stroke-linecap:round}"
-    ".path{stroke:#06c;stroke-width:14;stroke-linejoin:round;stroke-linecap:round}"
-    ".begin{fill:#fff;stroke:#06c;stroke-width:14}.bump{fill:#e50}"
-    ".robot{fill:#fff;fill-opacity:.8;stroke:#444;stroke-width:14}"
-    ".bumper{stroke:#e50;stroke-width:30}.ahead{stroke:#444;stroke-width:14}</style>\n"
-    "<pattern id='hatch' width='60' height='60' patternUnits='userSpaceOnUse' "
-    "patternTransform='rotate(45)'><rect width='60' height='60' style='fill:#fee'/>"
-    "<rect width='12' height='60' style='fill:#e99'/></pattern>\n";
+constexpr double kMostPixels = 1200.0;
+
+// Fills and colours, and the widths of lines in units; the floor is under everything, so that the
+// drawing reads on dark pages too.
+struct Style {
+  const char* names;
+  const char* look;
+  double stroke_mm;  // 0: none
+};
+constexpr std::array<Style, 15> kStyles{{{"floor", "fill:#fff", 0},
+                                         {"grid", "stroke:#e6e6e6", 4},
+                                         {"cliff", "fill:url(#hatch);stroke:#c33", 10},
+                                         {"beam", "fill:#36c;fill-opacity:.13", 0},
+                                         {"lamp", "fill:#36c", 0},
+                                         {"red", "fill:#d33;fill-opacity:.18", 0},
+                                         {"green", "fill:#2a2;fill-opacity:.18", 0},
+                                         {"base", "fill:#333", 0},
+                                         {"solid", "fill:#cfc6b8;stroke:#7a6f60", 10},
+                                         {"wall", "stroke:#222;stroke-linecap:round", 30},
+                                         {"path",
+                                          "stroke:#06c;stroke-linejoin:round;"
+                                          "stroke-linecap:round",
+                                          14},
+                                         {"begin", "fill:#fff;stroke:#06c", 14},
+                                         {"bump", "fill:#e50", 0},
+                                         {"robot", "fill:#fff;fill-opacity:.8;stroke:#444", 14},
+                                         {"bumper", "stroke:#e50", 30}}};
 
 // The bounding box of the drawing.
 class Extent {
@@ -52,6 +63,12 @@ class Extent {
     bottom_ = std::min(bottom_, y_mm - around_mm);
     top_ = std::max(top_, y_mm + around_mm);
   }
+  // How many millimetres an element of one millimetre is drawn for: a large world is drawn smaller,
+  // and what is written in it is not.
+  double unit() const {
+    const double longest = std::max(right_ - left_, top_ - bottom_) + 2.0 * kMarginMm;
+    return std::max(1.0, longest / (kMostPixels * kMmPerPixel));
+  }
   double left() const { return 0.5 * (left_ + right_ - width()); }
   double right() const { return left() + width(); }
   double bottom() const { return 0.5 * (bottom_ + top_ - height()); }
@@ -60,7 +77,9 @@ class Extent {
   double height() const { return shown(top_ - bottom_); }
 
  private:
-  static double shown(double size_mm) { return std::max(size_mm, kFewestMm) + 2.0 * kMarginMm; }
+  double shown(double size_mm) const {
+    return std::max(size_mm, kFewestMm) + 2.0 * kMarginMm * unit();
+  }
 
   double left_ = std::numeric_limits<double>::max();
   double right_ = std::numeric_limits<double>::lowest();
@@ -139,31 +158,68 @@ class Drawing {
   std::string text_;
 };
 
-void draw_floor(const Extent& extent, Drawing& drawing) {
+void write_style(double unit, Drawing& drawing) {
+  drawing.say("<style>*{fill:none}");
+  drawing.add("text{font:%.0fpx sans-serif;fill:#666}.ahead{stroke:#444;stroke-width:%.0f}",
+              70.0 * unit, 14.0 * unit);
+  for (const Style& style : kStyles) {
+    drawing.add(".%s{%s;stroke-width:%.0f}", style.names, style.look, style.stroke_mm * unit);
+  }
+  drawing.say("</style>\n");
+  drawing.say(
+      "<pattern id='hatch' width='60' height='60' patternUnits='userSpaceOnUse' "
+      "patternTransform='rotate(45)'><rect width='60' height='60' style='fill:#fee'/>"
+      "<rect width='12' height='60' style='fill:#e99'/></pattern>\n");
+}
+
+// Half a metre or, so that not more than 16 lines cross a drawing, 1, 2, 5, 10 ...
+double grid_of(double longest_mm) {
+  const double rough = longest_mm / 16.0;
+  if (rough <= kGridMm) return kGridMm;
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double times : {1.0, 2.0, 5.0}) {
+    if (rough <= times * power) return times * power;
+  }
+  return 10.0 * power;
+}
+
+// A grid with its coordinates in metres at the left and at the bottom.
+void draw_floor(const Extent& extent, double legend_mm, Drawing& drawing) {
+  const double unit = extent.unit();
   drawing.rectangle(
-      {{extent.left(), extent.bottom() - kLegendMm}, extent.width(), extent.height() + kLegendMm},
+      {{extent.left(), extent.bottom() - legend_mm}, extent.width(), extent.height() + legend_mm},
       "floor");
-  // A world of kilometres gets no more lines than the eye can separate.
-  const double longest_mm = std::max(extent.width(), extent.height());
-  const double grid_mm = kGridMm * std::ceil(longest_mm / (40.0 * kGridMm));
+  const double grid_mm = grid_of(std::max(extent.width(), extent.height()));
   const auto multiples = [grid_mm](double from, double to) {
     return std::pair{std::lround(std::ceil(from / grid_mm)), std::lround(std::floor(to / grid_mm))};
   };
+  const auto [first_x, last_x] = multiples(extent.left() + 150.0 * unit, extent.right());
+  const auto [first_y, last_y] = multiples(extent.bottom() + 100.0 * unit, extent.top());
   drawing.say("<path class='grid' d='");
-  const auto [first_x, last_x] = multiples(extent.left(), extent.right());
   for (long i = first_x; i <= last_x; ++i) {
     drawing.add("M%.0f %.0f V%.0f ", static_cast<double>(i) * grid_mm, down(extent.top()),
-                down(extent.bottom()));
+                down(extent.bottom() + 80.0 * unit));
   }
-  const auto [first_y, last_y] = multiples(extent.bottom(), extent.top());
   for (long i = first_y; i <= last_y; ++i) {
-    drawing.add("M%.0f %.0f H%.0f ", extent.left(), down(static_cast<double>(i) * grid_mm),
-                extent.right());
+    drawing.add("M%.0f %.0f H%.0f ", extent.left() + 130.0 * unit,
+                down(static_cast<double>(i) * grid_mm), extent.right());
   }
   drawing.say("'/>\n");
-  drawing.add("<text x='%.0f' y='%.0f'>%.1f by %.1f m, grid %g m</text>\n", extent.left() + 30.0,
-              -extent.bottom() - 30.0, (extent.width() - 2.0 * kMarginMm) / 1000.0,
-              (extent.height() - 2.0 * kMarginMm) / 1000.0, grid_mm / 1000.0);
+  for (long i = first_x; i <= last_x; ++i) {
+    drawing.add("<text x='%.0f' y='%.0f' text-anchor='middle'>%g</text>\n",
+                static_cast<double>(i) * grid_mm, down(extent.bottom() + 10.0 * unit),
+                static_cast<double>(i) * grid_mm / 1000.0);
+  }
+  for (long i = first_y; i <= last_y; ++i) {
+    drawing.add("<text x='%.0f' y='%.0f' text-anchor='end'>%g</text>\n",
+                extent.left() + 120.0 * unit, down(static_cast<double>(i) * grid_mm) + 25.0 * unit,
+                static_cast<double>(i) * grid_mm / 1000.0);
+  }
+  drawing.add(
+      "<text x='%.0f' y='%.0f'>%.1f by %.1f m; grid every %g m, x to the right, y up</text>\n",
+      extent.left() + 60.0 * unit, down(extent.bottom() - 80.0 * unit),
+      (extent.width() - 2.0 * kMarginMm * unit) / 1000.0,
+      (extent.height() - 2.0 * kMarginMm * unit) / 1000.0, grid_mm / 1000.0);
 }
 
 void draw_home_base(const Beam& base, Drawing& drawing) {
@@ -189,7 +245,7 @@ void draw_world(const World& world, Drawing& drawing) {
   for (const Segment& wall : world.walls) drawing.line(wall.from, wall.to, "wall");
 }
 
-void draw_path(std::span<const Waypoint> path, Drawing& drawing) {
+void draw_path(std::span<const Waypoint> path, double unit, Drawing& drawing) {
   if (path.empty()) return;
   drawing.say("<path class='path' d='");
   WorldPose drawn{};
@@ -198,7 +254,8 @@ void draw_path(std::span<const Waypoint> path, Drawing& drawing) {
     const bool begins = i == 0 || path[i].placed;
     // The last waypoint before a leap is always drawn, however close.
     const bool ends = i + 1 == path.size() || path[i + 1].placed;
-    const bool far = std::hypot(pose.x_mm - drawn.x_mm, pose.y_mm - drawn.y_mm) >= kPointApartMm;
+    const bool far =
+        std::hypot(pose.x_mm - drawn.x_mm, pose.y_mm - drawn.y_mm) >= kPointApartMm * unit;
     if (!begins && !ends && !far) continue;
     drawing.add(begins ? "M%.0f %.0f" : " %.0f %.0f", pose.x_mm, down(pose.y_mm));
     drawn = pose;
@@ -207,9 +264,9 @@ void draw_path(std::span<const Waypoint> path, Drawing& drawing) {
   for (const Waypoint& waypoint : path) {
     if (!waypoint.bumped) continue;
     const WorldPose& pose = waypoint.pose;
-    drawing.circle({pose.x_mm, pose.y_mm}, 28.0, "bump");
+    drawing.circle({pose.x_mm, pose.y_mm}, 28.0 * unit, "bump");
   }
-  drawing.circle({path.front().pose.x_mm, path.front().pose.y_mm}, 35.0, "begin");
+  drawing.circle({path.front().pose.x_mm, path.front().pose.y_mm}, 35.0 * unit, "begin");
 }
 
 void draw_robot(const WorldPose& pose, Drawing& drawing) {
@@ -223,49 +280,84 @@ void draw_robot(const WorldPose& pose, Drawing& drawing) {
   drawing.line(centre, rim(0.0), "ahead");
 }
 
-// The legend of this drawing, in as many columns as fit.
-void draw_legend(const World& world, std::span<const Waypoint> path, const Extent& extent,
-                 Drawing& drawing) {
-  constexpr double kColumnMm = 800.0;
-  double x_mm = extent.left() + 60.0;
-  double y_mm = extent.bottom() - 50.0;
-  const auto say = [&](const char* name, const char* text) {
-    if (x_mm + kColumnMm > extent.right() && y_mm > extent.bottom() - 100.0) {
-      x_mm = extent.left() + 60.0;
-      y_mm -= 110.0;
+// Below the floor: the size, and what is what in as many columns as fit.
+class Legend {
+ public:
+  Legend(const World& world, std::span<const Waypoint> path) {
+    if (!path.empty()) {
+      line("path", "way of the robot");
+      dot("begin", "its beginning");
+      if (std::ranges::any_of(path, &Waypoint::bumped)) dot("bump", "bump");
     }
-    drawing.line({x_mm, y_mm}, {x_mm + 90.0, y_mm}, name);
-    drawing.circle({x_mm + 45.0, y_mm}, 28.0, name);
-    drawing.add("<text x='%.0f' y='%.0f'>%s</text>\n", x_mm + 120.0, down(y_mm) + 25.0, text);
-    x_mm += kColumnMm;
-  };
-  if (!path.empty()) {
-    say("path", "way of the robot");
-    say("bump", "bump");
+    dot("robot", "robot");
+    if (!world.walls.empty()) line("wall", "wall");
+    if (!world.boxes.empty() || !world.posts.empty()) dot("solid", "furniture");
+    if (world.home_base) dot("base", "Home Base");
+    if (!world.virtual_walls.empty()) dot("lamp", "virtual wall");
+    if (!world.cliffs.empty()) dot("cliff", "no floor");
   }
-  if (!world.walls.empty()) say("wall", "wall");
-  if (world.home_base) say("base", "Home Base");
-  if (!world.virtual_walls.empty()) say("lamp", "virtual wall");
-  if (!world.cliffs.empty()) say("cliff", "no floor");
-}
+
+  double height_mm(const Extent& extent) const {
+    const std::size_t rows = (entries_.size() + columns(extent) - 1) / columns(extent);
+    return (kSizeMm + kRowMm * static_cast<double>(rows)) * extent.unit();
+  }
+
+  void draw(const Extent& extent, Drawing& drawing) const {
+    const double unit = extent.unit();
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      const auto row = static_cast<double>(i / columns(extent));
+      const auto column = static_cast<double>(i % columns(extent));
+      const double x = extent.left() + (60.0 + column * kColumnMm) * unit;
+      const double y = extent.bottom() - (kSizeMm + (row + 0.4) * kRowMm) * unit;
+      if (entries_[i].line) {
+        drawing.line({x, y}, {x + 90.0 * unit, y}, entries_[i].name);
+      } else {
+        drawing.circle({x + 45.0 * unit, y}, 28.0 * unit, entries_[i].name);
+      }
+      drawing.add("<text x='%.0f' y='%.0f'>%s</text>\n", x + 120.0 * unit, down(y) + 25.0 * unit,
+                  entries_[i].text);
+    }
+  }
+
+ private:
+  struct Entry {
+    const char* name;
+    const char* text;
+    bool line;
+  };
+  void line(const char* name, const char* text) { entries_.push_back({name, text, true}); }
+  void dot(const char* name, const char* text) { entries_.push_back({name, text, false}); }
+  static std::size_t columns(const Extent& extent) {
+    return static_cast<std::size_t>(
+        std::max(1.0, (extent.width() / extent.unit() - 60.0) / kColumnMm));
+  }
+
+  static constexpr double kSizeMm = 110.0;  // the line that says how large it is
+  static constexpr double kRowMm = 100.0;
+  static constexpr double kColumnMm = 800.0;
+  std::vector<Entry> entries_;
+};
 
 }  // namespace
 
 std::string draw(const World& world, std::span<const Waypoint> path) {
   const Extent extent = extent_of(world, path);
   Drawing drawing;
-  const double height_mm = extent.height() + kLegendMm;
+  const double unit = extent.unit();
+  const Legend legend{world, path};
+  const double legend_mm = legend.height_mm(extent);
+  const double height_mm = extent.height() + legend_mm;
   drawing.add(
       "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' "
       "viewBox='%.0f %.0f %.0f %.0f'>\n",
-      extent.width() / kMmPerPixel, height_mm / kMmPerPixel, extent.left(), -extent.top(),
-      extent.width(), height_mm);
-  drawing.say(kStyle);
-  draw_floor(extent, drawing);
+      extent.width() / kMmPerPixel / unit, height_mm / kMmPerPixel / unit, extent.left(),
+      -extent.top(), extent.width(), height_mm);
+  write_style(unit, drawing);
+  draw_floor(extent, legend_mm, drawing);
   draw_world(world, drawing);
-  draw_path(path, drawing);
+  draw_path(path, unit, drawing);
   draw_robot(path.empty() ? world.start() : path.back().pose, drawing);
-  draw_legend(world, path, extent, drawing);
+  legend.draw(extent, drawing);
   drawing.say("</svg>\n");
   return drawing.take();
 }

@@ -349,5 +349,28 @@ TEST(World, IsDrawnWithThePathItsBumpsAndItsLeaps) {
   EXPECT_NE(drawing.find("<circle class='robot' cx='500' cy='-600'"), std::string::npos);
 }
 
+std::string between(const std::string& text, const std::string& begin, const std::string& end) {
+  const std::size_t from = text.find(begin) + begin.size();
+  return text.substr(from, text.find(end, from) - from);
+}
+
+TEST(World, IsDrawnWithCoordinatesSizeAndLegend) {
+  const World world = world_of("wall 0 0 4000 0\nwall 4000 0 4000 3000\npost 1000 1000 50\n");
+  const std::string drawing = draw(world, {});
+  for (const char* label : {">0<", ">0.5<", ">4<", ">3<", ">wall<", ">furniture<", ">robot<"})
+    EXPECT_NE(drawing.find(label), std::string::npos) << label;
+  EXPECT_NE(drawing.find("m; grid every 0.5 m"), std::string::npos);
+  EXPECT_EQ(drawing.find(">bump<"), std::string::npos) << "there was none";
+  EXPECT_EQ(drawing.find(">no floor<"), std::string::npos);
+}
+
+// A hundred metres are no wider on the page than ten, and have a grid that can be counted.
+TEST(World, IsDrawnSmallerIfItIsLarge) {
+  const std::string drawing = draw(world_of("wall 0 0 100000 0\nwall 0 0 0 40000\n"), {});
+  EXPECT_LE(std::stod(between(drawing, "width='", "'")), 1300.0);
+  EXPECT_LE(std::stod(between(drawing, "height='", "'")), 1300.0);
+  EXPECT_NE(drawing.find("grid every 10 m"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cargobay::hal::sim
