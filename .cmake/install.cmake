@@ -197,7 +197,8 @@ This package contains the Python package cargobay, and examples.")
 
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME ${package_command})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION electronics)
-set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS python3-cargobay)
+# rsvg-convert makes PNGs of drawings.
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS "python3-cargobay, librsvg2-bin")
 set(CPACK_COMPONENT_COMMAND_DEPENDS library)
 set(CPACK_COMPONENT_COMMAND_DESCRIPTION
 "real-time control of the iRobot Create (command)

@@ -349,6 +349,25 @@ TEST(World, IsDrawnWithThePathItsBumpsAndItsLeaps) {
   EXPECT_NE(drawing.find("<circle class='robot' cx='500' cy='-600'"), std::string::npos);
 }
 
+// docs/virtual-create.md has this table.
+TEST(World, WeakensTheWallSignalWithDistance) {
+  struct Row {
+    double away_mm;
+    std::uint16_t signal;
+    bool wall;
+  };
+  for (const Row& row : {Row{0.0, 4095, true}, Row{10.0, 3753, true}, Row{30.0, 3071, true},
+                         Row{59.0, 2081, true}, Row{60.0, 2047, false}, Row{90.0, 1023, false},
+                         Row{119.0, 34, false}, Row{120.0, 0, false}, Row{500.0, 0, false}}) {
+    World world;
+    const double x_mm = kRobotRadiusMm + row.away_mm;
+    world.walls.push_back({.from = {x_mm, -500.0}, .to = {x_mm, 500.0}});
+    const Inputs seen = seen_from(world, at(0, 0, 65.0));  // the sensor looks along x
+    EXPECT_NEAR(seen.wall_signal, row.signal, 1) << row.away_mm;
+    EXPECT_EQ(seen.wall, row.wall) << row.away_mm;
+  }
+}
+
 std::string between(const std::string& text, const std::string& begin, const std::string& end) {
   const std::size_t from = text.find(begin) + begin.size();
   return text.substr(from, text.find(end, from) - from);
