@@ -63,8 +63,7 @@ struct Sample::Spread {
 };
 
 Sample::Sample(std::span<const Slice> slices, std::uint64_t period_ns)
-    : slices_{slices}, period_ns_{period_ns} {
-  least_ = std::numeric_limits<float>::max();
+    : slices_{slices}, period_ns_{period_ns}, least_{std::numeric_limits<float>::max()} {
   for (const Slice& slice : slices_) {
     for (const float value : slice.headline_ns) least_ = std::min(least_, value);
   }

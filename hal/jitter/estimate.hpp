@@ -1,5 +1,5 @@
-// Percentiles of what a channel measured, their ratios, and how certain they are. docs/statistics.md
-// says what is estimated, by which method, and how often the intervals hold.
+// Percentiles of what a channel measured, their ratios, and how certain they are.
+// docs/statistics.md says what is estimated, by which method, and how often the intervals hold.
 #pragma once
 
 #include <cstddef>
@@ -74,8 +74,8 @@ double correlation(const Estimate& a, const Estimate& b);
 // at different times. All 0 if `b` is 0.
 Estimate ratio(const Estimate& a, const Estimate& b, double together = 0.0);
 
-// Student's t: with `freedom` degrees of freedom, 2 or more, 95 % lie between -t and t. To 0.03 from
-// 3 degrees on.
+// Student's t: with `freedom` degrees of freedom, 2 or more, 95 % lie between -t and t. To 0.03
+// from 3 degrees on.
 double student_t95(double freedom);
 
 }  // namespace cargobay::hal::jitter

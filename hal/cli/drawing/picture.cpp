@@ -100,23 +100,13 @@ class Converter {
   std::optional<std::string> convert(std::string_view svg) {
     fcntl(input_.number(), F_SETFL, O_NONBLOCK);
     std::string png;
-    for (;;) {
+    for (bool more = true; more;) {
       std::array<pollfd, 2> ends{
           {{.fd = output_.number(), .events = POLLIN, .revents = 0},
-           {.fd = svg.empty() ? -1 : input_.number(), .events = POLLOUT, .revents = 0}}};
+           {.fd = input_.number(), .events = POLLOUT, .revents = 0}}};  // -1 is ignored
       if (poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) return std::nullopt;
-      if (ends[1].revents != 0) {
-        const ssize_t count = ::write(input_.number(), svg.data(), svg.size());
-        if (count > 0) svg.remove_prefix(static_cast<std::size_t>(count));
-        if (count < 0 && errno != EAGAIN && errno != EINTR) svg = {};  // it reads no more
-        if (svg.empty()) input_ = hal::Descriptor{};
-      }
-      if (ends[0].revents == 0) continue;
-      std::array<char, 65536> bytes{};
-      const ssize_t count = ::read(output_.number(), bytes.data(), bytes.size());
-      if (count < 0 && errno != EINTR) return std::nullopt;
-      if (count == 0) break;
-      if (count > 0) png.append(bytes.data(), static_cast<std::size_t>(count));
+      if (ends[1].revents != 0) svg = write_some(svg);
+      if (ends[0].revents != 0) more = read_some(png);
     }
     int status = 0;
     if (waitpid(std::exchange(child_, -1), &status, 0) < 0 || status != 0) return std::nullopt;
@@ -124,6 +114,22 @@ class Converter {
   }
 
  private:
+  // Returns what is left, and closes the input after the last byte, or if nothing reads it.
+  std::string_view write_some(std::string_view svg) {
+    const ssize_t count = ::write(input_.number(), svg.data(), svg.size());
+    if (count > 0) svg.remove_prefix(static_cast<std::size_t>(count));
+    const bool broken = count < 0 && errno != EAGAIN && errno != EINTR;
+    if (svg.empty() || broken) input_ = hal::Descriptor{};
+    return svg;
+  }
+  // Whether there may be more.
+  bool read_some(std::string& png) {
+    std::array<char, 65536> bytes{};
+    const ssize_t count = ::read(output_.number(), bytes.data(), bytes.size());
+    if (count > 0) png.append(bytes.data(), static_cast<std::size_t>(count));
+    return count > 0 || (count < 0 && errno == EINTR);
+  }
+
   hal::Descriptor input_{};
   hal::Descriptor output_{};
   pid_t child_ = -1;

@@ -30,7 +30,7 @@ std::string periods(const JitterSummary& run) {
 }
 
 const std::vector<Condition>& conditions() {
-  static const std::vector<Condition> all{
+  static const std::vector<Condition> kAll{
       {"kernel", [](const JitterSummary& run) { return run.conditions.kernel; }},
       {"preemption", [](const JitterSummary& run) { return run.conditions.preemption; }},
       {"board", [](const JitterSummary& run) { return or_none(run.conditions.board); }},
@@ -60,7 +60,7 @@ const std::vector<Condition>& conditions() {
                                 : "by HdrHistogram's rule";
        }},
   };
-  return all;
+  return kAll;
 }
 
 // One-minute averages differ by chance; these do not.

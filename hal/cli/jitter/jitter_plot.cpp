@@ -37,7 +37,7 @@ constexpr std::array<ChannelColor, 6> kColors{{{"robot", "#4d4d4d"},
 static_assert(kColors.size() == hal::jitter::kChannelNames.size());
 
 const char* color_of(std::string_view channel) {
-  const auto found = std::ranges::find(kColors, channel, &ChannelColor::channel);
+  const auto* const found = std::ranges::find(kColors, channel, &ChannelColor::channel);
   return found == kColors.end() ? "#000000" : found->color;
 }
 

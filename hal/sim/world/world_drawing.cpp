@@ -305,7 +305,8 @@ class Legend {
   void draw(const Extent& extent, Drawing& drawing) const {
     const double unit = extent.unit();
     for (std::size_t i = 0; i < entries_.size(); ++i) {
-      const auto row = static_cast<double>(i / columns(extent));
+      const std::size_t rows_above = i / columns(extent);
+      const auto row = static_cast<double>(rows_above);
       const auto column = static_cast<double>(i % columns(extent));
       const double x = extent.left() + (60.0 + column * kColumnMm) * unit;
       const double y = extent.bottom() - (kSizeMm + (row + 0.4) * kRowMm) * unit;
