@@ -16,7 +16,7 @@ constexpr double kLeading = 1.25;
 constexpr double kPageMargin = 84.0;  // the least on both sides together
 constexpr double kWidest = 0.62;      // of a letter, on average, over its size
 
-std::vector<std::string> lines(const std::string& text, double width, double size) {
+std::vector<std::string> page_lines(const std::string& text, double width, double size) {
   const double columns = std::max((width - kPageMargin) / (kWidest * size), 10.0);
   return wrapped(text, static_cast<std::size_t>(columns));
 }
@@ -42,7 +42,7 @@ std::vector<std::string> wrapped(std::string_view text, std::size_t columns) {
 
 double heading_height(const Heading& heading, double width) {
   const auto count = [width](const std::string& text, double size) {
-    return static_cast<double>(lines(text, width, size).size()) * size * kLeading;
+    return static_cast<double>(page_lines(text, width, size).size()) * size * kLeading;
   };
   return 6.0 + count(heading.title, kTitleSize) + count(heading.subtitle, kSubtitleSize);
 }
@@ -57,7 +57,7 @@ std::string svg_page(double width, double height, double left, const Heading& he
       width, height);
   double y = 6.0;
   const auto write = [&](const std::string& text, double size, const char* color) {
-    for (const std::string& line : lines(text, width, size)) {
+    for (const std::string& line : page_lines(text, width, size)) {
       y += size * kLeading;
       fmt::format_to(std::back_inserter(svg),
                      R"(<text x="{}" y="{:.1f}" font-size="{}" fill="{}">{}</text>)"
