@@ -7,7 +7,8 @@ usage: links.py [ROOT]
 Looks into README.md, CHANGELOG.md, docs/**/*.md and examples/**/*.md. Checked are relative links
 and images, the file and the #anchor as GitHub makes it of a heading; paths in backticks that begin
 with a folder of the top level (`oi/units.hpp`, `tests/oi/*.cpp`); and words of ```sh blocks that do.
-Prints FILE:LINE: what, exit status 1, or how many were looked at.
+No page has a section twice, as a careless merge leaves it. Prints FILE:LINE: what, exit status 1,
+or how many were looked at.
 """
 
 import pathlib
@@ -163,9 +164,14 @@ class Check:
 
     def run(self):
         for page in pages(self.root):
+            sections = set()
             for number, line, language in lines_of(page):
                 if language is None:
                     self.text(page, number, line)
+                    if line.startswith("## "):
+                        if line in sections:
+                            self.complain(page, number, f"the section {line[3:]} is there twice")
+                        sections.add(line)
                 elif language == "sh":
                     for word in line.partition(" #")[0].split():
                         self.path(page, number, word.strip("'\";,()"))
@@ -183,7 +189,7 @@ SOUND = {
     "and [ours](#title), [there](https://example.org/no#x). `oi/units.hpp` `oi/*.hpp` `rt::x/y`\n"
     "`tests/run.sh --quick` `build/x/y` `oi/units.hpp:12`\n\n```sh\ntests/run.sh --quick  # oi/no\n```\n",
     "CHANGELOG.md": "## [Unreleased]\n\n[`units`](oi/units.hpp#L3)\n",
-    "docs/start.md": "# Start\n\n## First steps: `sim`\n\n## Twice\n\n## Twice\n\n[a](#twice-1) [b](/README.md)\n"
+    "docs/start.md": "# Start\n\n## First steps: `sim`\n\n### Twice\n\n### Twice\n\n[a](#twice-1) [b](/README.md)\n"
     "[c][c]\n\n[c]: ../README.md#title\n\n```c\n[no](link.md) `oi/no.hpp`\n```\n\n`[no](link.md)`\n",
     "docs/way.svg": "<svg/>\n",
     "docs/decisions/1.md": "# 1. A *strong*, [linked](../start.md) `code_name`\n\n[up](../start.md#twice)\n"
@@ -211,6 +217,7 @@ PLANTED = [
     ("docs/decisions/1.md", "[x](start.md)", "there is no docs/decisions/start.md"),
     ("docs/decisions/1.md", "[x](../../../etc/passwd)", "leads out of the repository"),
     ("docs/decisions/1.md", "[x](../../oi/units.hpp#no)", "oi/units.hpp has no anchors"),
+    ("docs/start.md", "## First steps: `sim`", "the section First steps: `sim` is there twice"),
     ("docs/start.md", "```sh\ntests/no.sh --quick\n```", "there is no tests/no.sh"),
     ("examples/world/README.md", "[x](README.txt)", "there is no examples/world/README.txt"),
 ]

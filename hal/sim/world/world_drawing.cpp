@@ -193,7 +193,7 @@ void draw_floor(const Extent& extent, double legend_mm, Drawing& drawing) {
   const auto multiples = [grid_mm](double from, double to) {
     return std::pair{std::lround(std::ceil(from / grid_mm)), std::lround(std::floor(to / grid_mm))};
   };
-  const auto [first_x, last_x] = multiples(extent.left() + 150.0 * unit, extent.right());
+  const auto [first_x, last_x] = multiples(extent.left() + 190.0 * unit, extent.right());
   const auto [first_y, last_y] = multiples(extent.bottom() + 100.0 * unit, extent.top());
   drawing.say("<path class='grid' d='");
   for (long i = first_x; i <= last_x; ++i) {
@@ -201,7 +201,7 @@ void draw_floor(const Extent& extent, double legend_mm, Drawing& drawing) {
                 down(extent.bottom() + 80.0 * unit));
   }
   for (long i = first_y; i <= last_y; ++i) {
-    drawing.add("M%.0f %.0f H%.0f ", extent.left() + 130.0 * unit,
+    drawing.add("M%.0f %.0f H%.0f ", extent.left() + 185.0 * unit,
                 down(static_cast<double>(i) * grid_mm), extent.right());
   }
   drawing.say("'/>\n");
@@ -212,7 +212,7 @@ void draw_floor(const Extent& extent, double legend_mm, Drawing& drawing) {
   }
   for (long i = first_y; i <= last_y; ++i) {
     drawing.add("<text x='%.0f' y='%.0f' text-anchor='end'>%g</text>\n",
-                extent.left() + 120.0 * unit, down(static_cast<double>(i) * grid_mm) + 25.0 * unit,
+                extent.left() + 175.0 * unit, down(static_cast<double>(i) * grid_mm) + 25.0 * unit,
                 static_cast<double>(i) * grid_mm / 1000.0);
   }
   drawing.add(
