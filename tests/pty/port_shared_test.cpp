@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <string>
 
 #include "drive_fixture.hpp"
@@ -24,7 +25,10 @@ std::string opening(const std::string& port) {
   return "while :; do head -c 90 " + port + " >/dev/null; sleep 0.2; done";
 }
 
-class PortSharedTest : public DriveTest {};
+class PortSharedTest : public DriveTest {
+ public:
+  PortSharedTest() { setenv("TERM", "dumb", 1); }  // the drive prints lines
+};
 
 TEST_F(PortSharedTest, IsNamedIfItOpensThePortNowAndThen) {
   if (geteuid() != 0) GTEST_SKIP() << "only root opens a port that another process has";

@@ -14,6 +14,7 @@
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/trouble.hpp"
 #include "oi/stream_budget.hpp"
+#include "rt/unchecked.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -48,22 +49,20 @@ class OtherEnd final : public ByteStream {
   void loop_back() { loops_back_ = true; }
 
   Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
-    while (now_ < deadline && !due()) pass(deadline);
+    rt::unchecked([&] {
+      while (now_ < deadline && !due()) pass(deadline);
+    });
     return due() ? Wait::ready : Wait::timed_out;
   }
   Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
-    std::size_t count = 0;
-    for (; count < bytes.size() && due(); coming_.pop_front()) {
-      const std::uint8_t byte = coming_.front().second;
-      const bool clear = baud_ == own_baud_ || loops_back_;
-      bytes[count++] = clear ? byte : static_cast<std::uint8_t>((unsigned{byte} << 3U) ^ 0xe3U);
-    }
-    return {.count = count};
+    return rt::unchecked([&] { return take(bytes); });
   }
   Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     now_ += oi::wire_time(bytes.size(), baud_);
-    if (loops_back_) echo(bytes);
-    if (answer && baud_ == own_baud_) answer(*this, bytes);
+    rt::unchecked([&] {
+      if (loops_back_) echo(bytes);
+      if (answer && baud_ == own_baud_) answer(*this, bytes);
+    });
     return {.count = bytes.size()};
   }
   rt::TimePoint now() const CARGOBAY_NONBLOCKING override { return now_; }
@@ -80,6 +79,15 @@ class OtherEnd final : public ByteStream {
   void sleep(rt::Duration duration) override { pass(now_ + duration); }
 
  private:
+  Transfer take(std::span<std::uint8_t> bytes) {
+    std::size_t count = 0;
+    for (; count < bytes.size() && due(); coming_.pop_front()) {
+      const std::uint8_t byte = coming_.front().second;
+      const bool clear = baud_ == own_baud_ || loops_back_;
+      bytes[count++] = clear ? byte : static_cast<std::uint8_t>((unsigned{byte} << 3U) ^ 0xe3U);
+    }
+    return {.count = count};
+  }
   bool due() const { return !coming_.empty() && coming_.front().first <= now_; }
   void pass(rt::TimePoint until) {
     rt::TimePoint next = until;
