@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "hal/jitter/estimate.hpp"
+#include "tests/campaign/number.hpp"
 
 namespace {
 
@@ -89,10 +90,11 @@ constexpr std::array<Model, 3> kOutside{{
 class Machine {
  public:
   Machine(const Model& model, std::uint64_t seed)
-      : model_{model}, random_{seed * 1'000'003}, keep_{std::exp(-1.0 / model.mood_frames)} {
-    mood_ = model_.mood * random_.normal();
-    burst_ = random_.uniform() < burst_share();
-  }
+      : model_{model},
+        random_{seed * 1'000'003},
+        keep_{std::exp(-1.0 / model.mood_frames)},
+        mood_{model_.mood * random_.normal()},
+        burst_{random_.uniform() < burst_share()} {}
   float next() {
     if (model_.mood > 0.0) drift(keep_);
     const double change = burst_ ? 1.0 / model_.burst_frames : model_.burst_rate;
@@ -233,15 +235,27 @@ bool print(const Model& model, std::size_t slices, int runs) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  int runs = 1000;
-  std::size_t only_slices = 0;
+  std::uint64_t runs = 1000;
+  std::uint64_t only_slices = 0;
   std::span<const Model> models{kModels};
   for (int i = 1; i < argc; ++i) {
     const std::string_view option{argv[i]};
-    if (option == "--outside") models = kOutside;
-    if (i + 1 == argc) break;
-    if (option == "--runs") runs = std::atoi(argv[i + 1]);
-    if (option == "--slices") only_slices = static_cast<std::size_t>(std::atoi(argv[i + 1]));
+    if (option == "--outside") {
+      models = kOutside;
+      continue;
+    }
+    constexpr std::uint64_t kMost = 1'000'000;
+    const char* const text = i + 1 < argc ? argv[i + 1] : "";
+    const std::uint64_t value = cargobay::campaign::number(text).value_or(kMost + 1);
+    std::uint64_t* const wanted = option == "--runs"     ? &runs
+                                  : option == "--slices" ? &only_slices
+                                                         : nullptr;
+    if (wanted == nullptr || value > kMost) {
+      std::fprintf(stderr, "usage: coverage [--runs N] [--slices N] [--outside]\n");
+      return 2;
+    }
+    *wanted = value;
+    ++i;
   }
   std::printf(
       "| latencies | slices | p50 | p99 | p50, two runs | p99, two runs | p50, in turns | "
@@ -250,7 +264,7 @@ int main(int argc, char** argv) {
   for (const Model& model : models) {
     for (const std::size_t slices : {30U, 60U, 200U}) {
       if (only_slices != 0 && slices != only_slices) continue;
-      good = print(model, slices, runs) && good;
+      good = print(model, slices, static_cast<int>(runs)) && good;
     }
   }
   return good ? EXIT_SUCCESS : EXIT_FAILURE;

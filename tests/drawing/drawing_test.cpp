@@ -134,6 +134,7 @@ TEST(Picture, IsAPngIfItsNameSaysSo) {
   EXPECT_TRUE(picture(large, "x.png"));
 }
 
+// NOLINTBEGIN(concurrency-mt-unsafe): one thread
 TEST(Picture, IsRefusedAsPngWithoutItsConverter) {
   const std::string path = std::getenv("PATH");
   ASSERT_EQ(setenv("PATH", "/nowhere", 1), 0);
@@ -145,6 +146,7 @@ TEST(Picture, IsRefusedAsPngWithoutItsConverter) {
   EXPECT_THAT(checked.failure().message, Not(HasSubstr("\n")));
   EXPECT_FALSE(made);
 }
+// NOLINTEND(concurrency-mt-unsafe)
 
 }  // namespace
 }  // namespace cargobay::cli

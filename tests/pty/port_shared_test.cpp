@@ -27,7 +27,9 @@ std::string opening(const std::string& port) {
 
 class PortSharedTest : public DriveTest {
  public:
-  PortSharedTest() { setenv("TERM", "dumb", 1); }  // the drive prints lines
+  // The drive prints lines.
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): one thread
+  PortSharedTest() { setenv("TERM", "dumb", 1); }
 };
 
 TEST_F(PortSharedTest, IsNamedIfItOpensThePortNowAndThen) {

@@ -39,7 +39,7 @@ json of(const hal::jitter::Estimate& estimate, const char* what) {
 hal::jitter::Estimate estimate(const json& in, const char* what) {
   hal::jitter::Estimate estimate{.value = in.at(what)};
   const std::string lack = in.at("lack");
-  const auto found =
+  const auto* const found =
       std::ranges::find_if(kLacks, [&lack](hal::jitter::Lack each) { return name(each) == lack; });
   estimate.lack = found == kLacks.end() ? hal::jitter::Lack::unknown : *found;
   if (in.at("low").is_null() || in.at("high").is_null()) return estimate;

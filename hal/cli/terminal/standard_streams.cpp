@@ -58,8 +58,9 @@ ssize_t write_some(void* cookie, const char* bytes, std::size_t size) {
   const int error = write_all(stream.descriptor, bytes, size);
   if (error == 0) return static_cast<ssize_t>(size);
   stream.error.store(error, std::memory_order_relaxed);
-  // A terminal that goes away sends SIGHUP.
-  const bool ends = error != ECANCELED && stream.descriptor == STDOUT_FILENO;
+  // A terminal that goes away sends SIGHUP; and one that was closed from the beginning (EBADF) has
+  // no reader that could leave: the command does its work and reports the error at its end.
+  const bool ends = error != ECANCELED && error != EBADF && stream.descriptor == STDOUT_FILENO;
   if (ends && isatty(STDOUT_FILENO) != 1) StopSignals::output_failed();
   return static_cast<ssize_t>(size);
 }
