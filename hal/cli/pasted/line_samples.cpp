@@ -1,7 +1,9 @@
 #include "hal/cli/pasted/line_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -43,6 +45,33 @@ std::vector<std::string_view> parts_of(std::string_view row, char separator) {
   return parts;
 }
 
+// `1 MHz`, `12.5 kHz`, `1000000`.
+std::optional<double> samples_a_second(std::string_view text) {
+  text = trimmed(text);
+  const std::size_t unit = std::min(text.find(' '), text.size());
+  const std::optional<double> number = real_number(text.substr(0, unit));
+  if (!number || !(*number > 0.0)) return std::nullopt;
+  const std::string_view name = trimmed(text.substr(unit));
+  if (name.empty() || name == "Hz") return *number;
+  if (name == "kHz") return *number * 1e3;
+  if (name == "MHz") return *number * 1e6;
+  if (name == "GHz") return *number * 1e9;
+  return std::nullopt;
+}
+
+// What sigrok writes over its column of time; it may also be `Time`.
+constexpr std::array<std::string_view, 7> kTimeTitles{
+    "samples",     "milliseconds", "microseconds", "nanoseconds",
+    "picoseconds", "femtoseconds", "attoseconds"};
+
+// The step of that column from one sample to the next: a whole number, cut off, of the largest of
+// these units that is not longer than a sample.
+double sigrok_step(double rate_hz) {
+  double units_a_second = 1.0;
+  while (units_a_second < rate_hz) units_a_second *= 1e3;
+  return std::floor(units_a_second / rate_hz);
+}
+
 class SampleReader {
  public:
   explicit SampleReader(std::string_view text) : rows_{lines_of(text)} {}
@@ -54,13 +83,17 @@ class SampleReader {
       if (row.empty()) continue;
       if (row.starts_with("; CSV") && row.find("sigrok") != std::string_view::npos) sigrok_ = true;
       if (row.starts_with(';')) {
-        if (row.starts_with("; Channels"))
-          channels_ = row.substr(std::min(row.find(':'), row.size()));
+        const std::string_view value = row.substr(std::min(row.find(": ") + 1, row.size()));
+        if (row.starts_with("; Channels")) channels_ = value;
+        if (row.starts_with("; Samplerate:")) {
+          rate_hz_ = samples_a_second(value);
+          step_ = rate_hz_ ? sigrok_step(*rate_hz_) : 0.0;
+        }
         continue;
       }
-      constexpr std::string_view kRate = "META samplerate:";
+      constexpr std::string_view kRate = "META samplerate:";  // of a file that it has read
       if (row.starts_with(kRate)) {
-        rate_hz_ = real_number(row.substr(kRate.size()));
+        rate_hz_ = samples_a_second(row.substr(kRate.size()));
         continue;
       }
       return titles(row);
@@ -70,7 +103,7 @@ class SampleReader {
 
   hal::Result<std::vector<SampledLine>> read() {
     if (sigrok_ && !rate_hz_)
-      return hal::Failure{"the samples have no samplerate; export them with the META lines"};
+      return hal::Failure{"the samples have no samplerate; export them with the header of sigrok"};
     for (std::size_t index = 0; ++next_ < rows_.size();) {
       const std::string_view row = trimmed(rows_[next_]);
       if (row.empty() || row.starts_with(';')) continue;
@@ -86,11 +119,11 @@ class SampleReader {
  private:
   bool titles(std::string_view row) {
     const std::vector<std::string_view> titles = parts_of(row, ',');
-    const bool time = titles[0].starts_with("Time");
+    const bool time = titles[0].starts_with("Time") ||
+                      (sigrok_ && std::ranges::find(kTimeTitles, titles[0]) != kTimeTitles.end());
     if (!sigrok_ && !time) return false;
     first_ = time ? 1 : 0;
-    const std::vector<std::string_view> names =
-        parts_of(channels_.substr(std::min<std::size_t>(1, channels_.size())), ',');
+    const std::vector<std::string_view> names = parts_of(channels_, ',');
     for (std::size_t i = first_; i < titles.size(); ++i) {
       const bool named = sigrok_ && i - first_ < names.size() && !names[i - first_].empty();
       lines_.push_back({std::string{named ? names[i - first_] : titles[i]}, {}});
@@ -114,14 +147,12 @@ class SampleReader {
 
   bool sample(const std::vector<std::string_view>& cells, std::size_t index) {
     if (cells.size() != lines_.size() + first_) return false;
-    double time_s = 0.0;
-    if (sigrok_) {
-      time_s = static_cast<double>(index) / *rate_hz_;
-    } else {
-      const auto time = real_number(cells[0]);
-      if (!time) return false;
-      time_s = *time;
-    }
+    const auto time = first_ == 0 ? std::optional{0.0} : real_number(cells[0]);
+    if (!time) return false;
+    double time_s = *time;
+    // By its column of time, since rows may be left out that repeat the one before.
+    if (sigrok_)
+      time_s = (step_ > 0.0 && first_ == 1 ? *time / step_ : static_cast<double>(index)) / *rate_hz_;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       const std::string_view level = cells[i + first_];
       if (level != "0" && level != "1" && level != "X") return false;
@@ -135,6 +166,7 @@ class SampleReader {
   bool sigrok_ = false;
   std::string_view channels_{};
   std::optional<double> rate_hz_{};
+  double step_ = 0.0;      // from one sample to the next in sigrok's time; 0 if that stands still
   std::size_t first_ = 0;  // column of the first line
   std::vector<SampledLine> lines_{};
 };
