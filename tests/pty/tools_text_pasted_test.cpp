@@ -65,6 +65,12 @@ const std::vector<Form> kForms{
     {"od -A x -t x1z",
      "000000 89 ff 38 01 f4 83 91 00 64 00 64 8e 06 94 02 13  >..8.....d.d.....<\n"
      "000010 23                                               >#<\n000011\n"},
+    {"hexdump -d",
+     "0000000   65417   00312   33780   00145   00100   36452   37894   04866\n"
+     "0000010   00035\n0000011\n"},
+    {"xxd -d",
+     "00000000: 89ff 3801 f483 9100 6400 648e 0694 0213  ..8.....d.d.....\n"
+     "00000016: 23                                       #\n"},
     {"od -c",
      "0000000 211 377   8 001 364 203 221  \\0   d  \\0   d 216 006 224 002 023\n"
      "0000020   #\n0000021\n"},
@@ -87,6 +93,8 @@ const std::vector<Form> kForms{
      "b'\\x8e\\6\\224\\x02\\x13#'\n"},
     {"Python, list",
      "bytes([137, 255, 0x38, 1, 244, 131, 145, 0, 100, 0, 100, 142, 6, 148, 2, 19, 35])\n"},
+    {"Python, array",
+     "array('B', [137, 255, 56, 1, 244, 131, 145, 0, 100, 0, 100, 142, 6, 148, 2, 19, 35])\n"},
     {"Python, hex", "bytes.fromhex('89ff 3801f4 8391 00640064 8e06 94021323')\n"},
 };
 
@@ -127,8 +135,10 @@ TEST(Pasted, RefusesOffsetsThatDoNotFit) {
       {"00000010  89 ff\n00000000  38\n", "line 2: '00000000' is not the next offset"},
       {"00000000: 89ff  .8\n", "line 1: the bytes and the characters beside them differ"},
       {"00000000: 8\n", "line 1: '8' is not a value of xxd"},
-      {"0000000 89 ff\nfoo\n", "line 2 has no offset"},
-      {"*\n", "'*' is not a byte"},
+      {"0000000 89 ff\nfoo\n",
+       "line 2 has no offset; make the dump in one form, such as: od -t x1"},
+      {"0000000 123456 7\n", "; if that is not the form, make the dump with: od -t x1"},
+      {"*\n", "'*' is for lines that the dump leaves out; make it with all of them: od -v"},
       {"0000000 89 ff\n0000002\n*\n", "line 3: there is nothing to repeat"},
       {"0000000 137 255 156\n", "can be octal or decimal"},
       {"0000000 89 fg\n", "line 1: "},

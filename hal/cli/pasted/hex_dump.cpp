@@ -15,6 +15,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using Texts = std::vector<std::string_view>;
 
+constexpr const char* kRemedy = "; if that is not the form, make the dump with: od -t x1";
 constexpr std::size_t kMostDumped = std::size_t{16} << 20U;  // with what `*` stands for
 
 std::optional<std::size_t> dump_number(std::string_view digits, int base) {
@@ -153,14 +154,17 @@ class DumpReader {
     for (const DumpLine& line : lines_) {
       const bool star = line.offset.empty() && line.values.empty();
       if (!star && line.offset.size() < lines_.front().offset.size())
-        return hal::Failure{fmt::format("line {} has no offset", line.number)};
+        return hal::Failure{fmt::format(
+            "line {} has no offset; make the dump in one form, such as: od -t x1", line.number)};
     }
     const auto format = layout_ == DumpLayout::words ? format_of_words() : format_of_pairs();
     if (!format) return format.failure();
     std::optional<hal::Failure> failure;
-    // od counts in octal, hexdump in hexadecimal, both with seven digits.
-    const bool is_octal = layout_ == DumpLayout::words && lines_.front().offset.size() == 7;
-    for (const int base : is_octal ? std::vector{8, 16, 10} : std::vector{16}) {
+    // od counts in octal, hexdump in hexadecimal, both with seven digits; xxd -d in decimal.
+    std::vector bases{16};
+    if (layout_ == DumpLayout::words && lines_.front().offset.size() == 7) bases = {8, 16, 10};
+    if (layout_ == DumpLayout::colon) bases = {16, 10};
+    for (const int base : bases) {
       auto bytes = assemble(*format, base);
       if (bytes) return Dump{format->name, std::move(*bytes)};
       if (!failure) failure = bytes.failure();
@@ -253,6 +257,8 @@ class DumpReader {
           "these bytes can be octal or decimal; if they are decimal, say --decimal; if not, make "
           "the dump with: od -t x1"};
     }
+    if (all(5, reads(read_value<10, 2, true>)))
+      return DumpFormat{"hexdump -d", read_value<10, 2, true>, 2};
     if (octal) return DumpFormat{"od -b", read_value<8, 1, false>};
     if (decimal) return DumpFormat{"od in decimal", read_signed};
     return DumpFormat{"od -c", read_character, 1, 4};
@@ -268,8 +274,8 @@ class DumpReader {
     }
     for (const std::string_view word : words) {
       if (format.read(word, bytes)) continue;
-      return hal::Failure{
-          fmt::format("line {}: '{}' is not a value of {}", line.number, word, format.name)};
+      return hal::Failure{fmt::format("line {}: '{}' is not a value of {}{}", line.number, word,
+                                      format.name, kRemedy)};
     }
     return bytes;
   }

@@ -1,5 +1,5 @@
-// Dumps with offsets: xxd (also -g, -u, -e, -b), hexdump (also -C, -b, -c), Wireshark, od (octal
-// words, -x, -b, -c, -t x1, u1, d1, with z; -A x and d).
+// Dumps with offsets: xxd (also -g, -u, -e, -b, -d), hexdump (also -C, -b, -c, -d), Wireshark, od
+// (octal words, -x, -b, -c, -t x1, u1, d1, with z; -A x and d).
 #pragma once
 
 #include <cstdint>

@@ -60,9 +60,9 @@ std::optional<double> samples_a_second(std::string_view text) {
 }
 
 // What sigrok writes over its column of time; it may also be `Time`.
-constexpr std::array<std::string_view, 7> kTimeTitles{
-    "samples",     "milliseconds", "microseconds", "nanoseconds",
-    "picoseconds", "femtoseconds", "attoseconds"};
+constexpr std::array<std::string_view, 7> kTimeTitles{"samples",     "milliseconds", "microseconds",
+                                                      "nanoseconds", "picoseconds",  "femtoseconds",
+                                                      "attoseconds"};
 
 // The step of that column from one sample to the next: a whole number, cut off, of the largest of
 // these units that is not longer than a sample.
@@ -152,7 +152,8 @@ class SampleReader {
     double time_s = *time;
     // By its column of time, since rows may be left out that repeat the one before.
     if (sigrok_)
-      time_s = (step_ > 0.0 && first_ == 1 ? *time / step_ : static_cast<double>(index)) / *rate_hz_;
+      time_s =
+          (step_ > 0.0 && first_ == 1 ? *time / step_ : static_cast<double>(index)) / *rate_hz_;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       const std::string_view level = cells[i + first_];
       if (level != "0" && level != "1" && level != "X") return false;

@@ -38,7 +38,7 @@ hal::Result<Bytes> read_numbers(std::string_view text) {
 }
 
 // The literals of Python in a text, one after the other: b'\x89\xff8', bytes([137, 255]),
-// bytearray(...), bytes.fromhex('89 ff').
+// bytearray(...), bytes.fromhex('89 ff'), array('B', [137, 255]).
 class PythonReader {
  public:
   explicit PythonReader(std::string_view text) : text_{text} {}
@@ -56,7 +56,7 @@ class PythonReader {
         if (auto wrong = inside(
                 ')', [](std::string_view hex) { return read_bytes(hex, Base::hexadecimal); }))
           return *wrong;
-      } else if (begins && (starts("bytes([") || starts("bytearray(["))) {
+      } else if (begins && (starts("bytes([") || starts("bytearray([") || starts("array('B', ["))) {
         found = true;
         at_ = text_.find('[', at_);
         if (auto wrong = inside(']', read_numbers)) return *wrong;

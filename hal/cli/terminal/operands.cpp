@@ -51,6 +51,8 @@ bool read_run(std::string_view run, Base base, std::vector<std::uint8_t>& bytes)
 }
 
 hal::Failure no_byte(std::string_view run, Base base) {
+  if (run == "*")
+    return {"'*' is for lines that the dump leaves out; make it with all of them: od -v"};
   if (base == Base::decimal)
     return {fmt::format("'{}' is not a byte; in decimal bytes are numbers from 0 to 255", run)};
   const bool decimal =
