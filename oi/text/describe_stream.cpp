@@ -1,4 +1,5 @@
 // The robot's side: describe_stream() and describe_reply().
+#include <algorithm>
 #include <string_view>
 
 #include "oi/checksum.hpp"
@@ -46,8 +47,8 @@ class StreamDescriber {
       } else if (const std::size_t needed = needed_for_frame(rest); needed != 0) {
         return cut_short(needed);
       } else {
-        between_frames();
         aligned_ = false;
+        between_frames();
       }
     }
     return tell_.described();
@@ -128,14 +129,14 @@ class StreamDescriber {
   }
 
   // How many bytes are missing if these can be the beginning of a frame; 0 if they cannot, or if a
-  // whole frame is inside.
+  // whole frame is inside. A frame of the Create 2 only where a frame must begin.
   std::size_t needed_for_frame(Bytes bytes) const {
     if (bytes[0] != kFrameHeader) return 0;
     if (bytes.size() == 1) return kMinFrameBytes - 1;
     const std::size_t length = bytes[1] + kFrameOverhead;
     if (length < kMinFrameBytes || bytes.size() >= length) return 0;
     for (std::size_t at = 2; at + 1 < length && at < bytes.size();) {
-      const std::size_t size = dialect_.item_sizes[bytes[at]];
+      const std::size_t size = aligned_ ? item_size(bytes[at]) : dialect_.item_sizes[bytes[at]];
       if (size == 0 || at + size + 1 > length) return 0;
       at += size;
     }
@@ -165,7 +166,7 @@ class StreamDescriber {
     tell_.tell(Kind::packet, at_++, 1);
   }
 
-  // The packet is not this robot's; `end` is that of the frame's packets.
+  // The packet is not this robot's; `end` is that of the frame's packets, or of the bytes.
   void foreign_packet(std::size_t end) {
     TextWriter& out = tell_.words();
     const create_2::Packet* const other = create_2::find_packet(bytes_[at_]);
@@ -179,10 +180,13 @@ class StreamDescriber {
       out.put(" of the Create 2 or a Roomba; this robot has none");
     }
     tell_.tell(Kind::packet, at_++, 1, false);
-    const std::size_t size = other == nullptr ? end - at_ : other->size;
+    const std::size_t there = end - at_;
+    const std::size_t size = other == nullptr ? there : std::min<std::size_t>(other->size, there);
     if (size == 0) return;
     TextWriter& value = tell_.words();
-    if (size <= 2) {
+    if (other != nullptr && size < other->size) {
+      value.put("part of its data");
+    } else if (size <= 2) {
       value.put_number(size == 1 ? bytes_[at_] : bytes_[at_] * 256 + bytes_[at_ + 1]);
     } else {
       value.put_number(static_cast<std::int64_t>(size));
@@ -263,6 +267,10 @@ class StreamDescriber {
   Described cut_short(std::size_t needed) {
     header_and_length();
     while (at_ < bytes_.size()) {
+      if (dialect_.find_packet(bytes_[at_]) == nullptr) {
+        foreign_packet(bytes_.size());
+        continue;
+      }
       const PacketInfo& info = *dialect_.find_packet(bytes_[at_]);
       packet_id();
       if (bytes_.size() - at_ >= info.size) {

@@ -285,6 +285,23 @@ TEST(DescribeStream, NamesAFrameOfTheCreate2) {
               HasSubstr("3+9 9 bytes of data\n"));
 }
 
+TEST(DescribeStream, NamesAFrameOfTheCreate2ThatIsCutShort) {
+  const Bytes whole = frame_around({7, 0, 43, 1, 2, 45, 7});
+  EXPECT_EQ(stream(Bytes(whole.begin(), whole.begin() + 6)).lines,
+            "0+1 header of a stream frame (OI p. 14)\n"
+            "1+1 7 bytes up to the checksum\n"
+            "2+1 packet 7 Bumps and Wheel Drops\n"
+            "3+1 bumps_and_wheel_drops 0 (none)\n"
+            "4+1 ! packet 43 Left Encoder Counts of the Create 2 or a Roomba; this robot has none\n"
+            "5+1 part of its data\n"
+            "6+0 ! needs 4 more bytes\n");
+  for (std::size_t size = 5; size < whole.size(); ++size) {
+    const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_THAT(stream(part).lines, HasSubstr("Left Encoder Counts of the Create 2")) << size;
+    EXPECT_THAT(stream(whole + part).lines, HasSubstr("needs ")) << size;
+    EXPECT_THAT(stream(Bytes{1} + part).lines, Not(HasSubstr("Create 2"))) << size;
+  }
+}
 TEST(DescribeStream, NamesADamagedFrameOfTheCreate2WhereAFrameBegins) {
   Bytes damaged = frame_around({43, 1, 2});
   damaged.back() ^= 1U;
