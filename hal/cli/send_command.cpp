@@ -1,5 +1,6 @@
 // `cargobay send`: sends commands to a robot by hand, and prints the answers.
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <memory>
@@ -55,11 +56,23 @@ bool has_words(const std::string& text) {
   return text.find_first_not_of(" \t\r\n;") != std::string::npos;
 }
 
+// Whether standard input has a text, or is at its end: not a terminal, and not a pipe that is only
+// open, as under ssh.
+bool input_speaks() {
+  constexpr int kPatienceMs = 300;
+  if (isatty(STDIN_FILENO) == 1) return false;
+  pollfd waited{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  if (poll(&waited, 1, kPatienceMs) != 0) return true;
+  print_remark(
+      "standard input says nothing: only listening; to wait for its commands, end with: -");
+  return false;
+}
+
 // The text of the commands; nothing if only listening is wanted: --listen, and nothing to send.
 hal::Result<std::optional<std::string>> text_to_send(const CLI::App& command,
                                                      const Options& options) {
   const bool listens = options.listen_s.has_value() && command.remaining().empty();
-  if (listens && isatty(STDIN_FILENO) == 1) return std::optional<std::string>{};
+  if (listens && !input_speaks()) return std::optional<std::string>{};
   auto text = joined_operands(command);
   if (!text) return text.failure();
   if (listens && !has_words(*text)) return std::optional<std::string>{};

@@ -146,9 +146,12 @@ class Encoder {
         nearest.consider(info.key);
       }
     }
+    const bool number = beyond_ == Beyond::manual && parse_integer(key.text).has_value();
     return fail_with(
         {.code = Code::unknown_command, .position = key.position, .length = key.text.size()},
-        command_advice(key.text), nearest.name());
+        number ? "to send numbers as they are, write for example: bytes 142 35"
+               : command_advice(key.text),
+        nearest.name());
   }
 
   bool plain(const Token& key, const CommandInfo& info) {

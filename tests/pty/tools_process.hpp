@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cargobay::test {
@@ -25,6 +26,15 @@ class ToolProcess {
  public:
   explicit ToolProcess(const std::vector<std::string>& arguments, const std::string& input = "")
       : input_{temporary_file(input)},
+        output_{temporary_file("")},
+        error_{temporary_file("")},
+        process_{start(arguments)} {}
+  // Its standard input is this file, which is removed in the end.
+  struct InputFile {
+    std::string path;
+  };
+  ToolProcess(const std::vector<std::string>& arguments, InputFile input)
+      : input_{std::move(input.path)},
         output_{temporary_file("")},
         error_{temporary_file("")},
         process_{start(arguments)} {}

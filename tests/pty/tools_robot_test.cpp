@@ -1,5 +1,9 @@
 // The commands that talk to a robot, here a virtual one: send, sensors.
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -272,6 +276,34 @@ TEST_F(SendTool, SaysThatNothingArrived) {
   const Outcome outcome = send({"--listen", "0.2"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.error, HasSubstr("nothing arrived in 0.2 s at 57600 baud"));
+}
+
+// Under ssh standard input is a pipe that says nothing and does not end.
+TEST_F(SendTool, OnlyListensWhileStandardInputIsSilent) {
+  const std::string pipe = "/tmp/cargobay-silent-" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int held_open = open(pipe.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(held_open, 0);
+  ToolProcess silent{with_port("send", {"--listen", "0.2"}), ToolProcess::InputFile{pipe}};
+  const Outcome outcome = silent.wait();
+  close(held_open);
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("standard input says nothing: only listening"));
+  EXPECT_THAT(outcome.error, HasSubstr("nothing arrived in 0.2 s"));
+}
+
+TEST_F(SendTool, ReadsCommandsFromStandardInputWhenItListens) {
+  const Outcome outcome =
+      run_tool(with_port("send", {"--listen", "0.2"}), "start; stream oi_mode\n");
+  EXPECT_THAT(outcome.out, HasSubstr("oi_mode 1 (passive)\n"));
+}
+
+TEST_F(SendTool, SaysThatNothingAnswersRawBytes) {
+  EXPECT_THAT(send({"start; bytes 173"}).error, HasSubstr("nothing came back"));
+}
+
+TEST_F(SendTool, SaysHowANumberIsSent) {
+  EXPECT_THAT(error_of({"173"}), HasSubstr("write for example: bytes 142 35"));
 }
 
 TEST_F(SendTool, PrintsTextAndOtherBytesWhileItListens) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/sensor_format.hpp"
 #include "hal/stream/spaced_stream.hpp"
 #include "oi/dialect.hpp"
@@ -83,6 +84,7 @@ void Conversation::print_bytes() {
   if (std::ranges::all_of(unexplained_, oi::is_text) && unexplained_.size() >= kLeastText) {
     end_text();  // a line whose end has not come
   } else {
+    clear_line();
     fmt::print("bytes: {:02x}\n", fmt::join(unexplained_, " "));
     std::fflush(stdout);
     line_.clear();
@@ -108,6 +110,7 @@ void Conversation::take_text() {
 
 void Conversation::end_text() {
   if (line_.size() >= kLeastText) {
+    clear_line();
     fmt::print("text: {}\n", line_);
     unexplained_.clear();
   }
@@ -126,6 +129,7 @@ void Conversation::print_frame(std::span<const std::uint8_t> frame) const {
     if (!line.empty()) line += ", ";
     line += fmt::format("{} {}", oi::kCreate.packet(packet).key, text(packet, values));
   }
+  clear_line();  // of progress
   fmt::print("{}\n", line);
 }
 

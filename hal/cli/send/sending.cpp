@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
@@ -13,6 +14,7 @@
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/sensor_format.hpp"
 #include "hal/cli/terminal/standard_streams.hpp"
+#include "hal/cli/view/progress.hpp"
 #include "hal/guard/farewell.hpp"
 #include "oi/dialect.hpp"
 #include "oi/encode.hpp"
@@ -125,6 +127,7 @@ class Sending {
     }
     const rt::TimePoint begin = port_.now();
     say_what_it_waits_for(waits);
+    const Progress progress{"waiting for the script"};
     rt::Duration longest = waits.duration ? *waits.duration + kScriptSpare : kForEver;
     if (options_.duration_s) longest = std::min(longest, seconds(*options_.duration_s));
     while (port_.now() - begin < longest && !output_error()) {
@@ -161,10 +164,13 @@ class Sending {
       if (!talk_.send(bytes)) return not_sent();
       print_remark("a robot that knows soft_reset restarts now, which takes 5 s");
       begin_stream(false);
+      const Progress progress{"waiting for the robot to restart"};
       if (!talk_.listen(kRestart)) return hung_up();
       return {};
     }
+    std::optional<Progress> progress{std::in_place, "waiting for what may come back"};
     const std::vector<std::uint8_t> answer = talk_.ask_anything(bytes);
+    progress.reset();
     if (talk_.hung_up()) return hung_up();
     const bool asks_date = bytes == std::vector{oi::kFirmwareDateOpcode};
     const auto date = asks_date ? oi::parse_firmware_date(answer) : std::nullopt;
@@ -177,6 +183,8 @@ class Sending {
       fmt::print("answer: {:02x}\n", fmt::join(answer, " "));
     } else if (asks_date && !talk_.signal()) {
       return hal::Failure{"the robot did not answer firmware_date; only some robots know it"};
+    } else if (!talk_.signal()) {
+      print_remark("nothing came back");
     }
     std::fflush(stdout);
     return {};
@@ -293,6 +301,8 @@ class Sending {
     } else if (holds) {
       duration = std::max(duration, seconds(*options_.duration_s) - awaited_);
     }
+    std::optional<Progress> progress;
+    if (!talk_.streaming() || !begun_stream_) progress.emplace("the wheels may be turning");
     const rt::TimePoint begin = port_.now();
     for (rt::Duration left = duration; left > rt::Duration::zero() && !output_error();
          left = begin + duration - port_.now()) {
@@ -355,11 +365,14 @@ Sent listen_only(hal::ByteStream& port, StopSignals& signals, double listen_s) {
   Conversation talk{port, signals};
   talk.show_frames();
   talk.show_bytes();
+  std::optional<Progress> progress{std::in_place, "listening"};
   const rt::TimePoint end = port.now() + seconds(listen_s);
   while (port.now() < end && !talk.signal() && !output_error()) {
+    if (talk.bytes() > 0) progress.reset();
     if (!talk.listen(std::min<rt::Duration>(kLook, end - port.now())))
       return hal::Failure{"the port hung up; plug it in and start again"};
   }
+  progress.reset();
   talk.end_text();
   if (talk.bytes() == 0 && !talk.signal()) {
     print_remark(
