@@ -7,6 +7,7 @@ be, --self-test shows that views which leave something are caught."""
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -19,6 +20,10 @@ PROMPT = "ready>"
 # What each view shows once it is under way, and is shown in no other.
 VIEWS = {"sensors": r"^sensors +[2-9]\.\d s", "drive --duration 60": r"^drive +[2-9]\.\d of 60 s"}
 SKIPPED = 77
+HAZARDS = ["bump both", "wheeldrop left on", "wheeldrop right on", "wheeldrop caster on",
+           *(f"overcurrent {what} on" for what in ("left_wheel", "right_wheel", "ld0", "ld1", "ld2"))]  # fmt: skip
+SEEN = ["bumps left, right", "wheel drops left, right, front",
+        "low_side_driver_1, low_side_driver_0, low_side_driver_2, right_wheel, left_wheel"]  # fmt: skip
 
 
 class Terminal:
@@ -206,6 +211,30 @@ class Test:
             terminal.key("C-c")
             terminal.prompts()
 
+    def hazards(self) -> None:
+        """Whatever the window is: all bumps, wheel drops and overcurrents are seen in full."""
+        control = self.folder / "control"
+        serve = subprocess.Popen([self.binary, "sim", "--control", str(control)], text=True,
+                                 stdout=subprocess.PIPE)  # fmt: skip
+        port = re.search(r"/dev/pts/\d+", serve.stdout.readline()).group(0)
+        with socket.socket(socket.AF_UNIX) as peer:
+            peer.connect(str(control))
+            for line in HAZARDS:
+                peer.sendall(line.encode() + b"\n")
+                answer = peer.recv(1000).decode()
+                self.expect(answer.startswith("ok"), f"{line}: {answer}")
+        for columns, rows, packets in [(60, 15, "6"), (80, 24, "6"), (80, 50, "6"), (80, 24, "7,14")]:
+            terminal = self.terminal(columns, rows)
+            terminal.type(f"{self.binary} sensors --port {port} --packets {packets}")
+            terminal.shows(r"^sensors +\d")
+            words = " ".join(terminal.screen().split())
+            for wanted in SEEN:
+                self.expect(wanted in words, f"{columns}x{rows} has no '{wanted}':\n{terminal.screen()}")
+            terminal.key("C-c")
+            terminal.prompts()
+        serve.terminate()
+        serve.wait()
+
     def plain(self) -> None:
         terminal = self.terminal(100, 50, "TERM=dumb")
         screen = terminal.run(f"{self.binary} sensors 2>&1 | cat")
@@ -313,7 +342,7 @@ def main() -> int:
         test.views_in_windows({} if write else kept())
         if write:
             SCREENS.write_text("".join(f"=== {name}\n{text}" for name, text in test.shown.items()))
-        for part in (test.suspended, test.killed, test.colours, test.plain, test.lines,
+        for part in (test.suspended, test.killed, test.colours, test.hazards, test.plain, test.lines,
                      test.system_calls):  # fmt: skip
             began = time.monotonic()
             part()

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/sensor_format.hpp"
 #include "oi/dialect.hpp"
 
@@ -96,17 +97,6 @@ std::vector<const Label*> labels_of(const std::vector<PacketId>& packets) {
   return labels;
 }
 
-std::vector<ScreenLine> one_a_line(const std::vector<const Label*>& labels,
-                                   const hal::SensorFrame& frame) {
-  std::vector<ScreenLine> lines;
-  for (const Label* const label : labels) {
-    const oi::PacketInfo& info = oi::kCreate.packet(label->packet);
-    lines.push_back({{fmt::format("{:>3}  {:<40}", info.id, info.name)},
-                     {value(label->packet, frame), style_of(*label, frame)}});
-  }
-  return lines;
-}
-
 std::string sides(oi::BitSet<oi::Bump> all,
                   std::initializer_list<std::pair<oi::Bump, const char*>> of) {
   std::string out;
@@ -116,7 +106,7 @@ std::string sides(oi::BitSet<oi::Bump> all,
   return out.empty() ? "none" : out;
 }
 
-// Bumps and wheel drops apart: in words of the manual they would not fit a line.
+// Bumps and wheel drops apart, and short: in the words of the manual they do not fit a line.
 std::vector<Cell> cells(const Label& label, const hal::SensorFrame& frame) {
   if (label.packet != PacketId::bumps_and_wheel_drops)
     return {{std::string{label.text}, value(label.packet, frame), style_of(label, frame)}};
@@ -132,6 +122,34 @@ std::vector<Cell> cells(const Label& label, const hal::SensorFrame& frame) {
                                           {wheel_drop_front, "front"}}))};
 }
 
+// What is too long for its line goes on in the next: nothing is cut.
+void add_broken(std::vector<ScreenLine>& lines, std::string head, const Cell& cell, int columns) {
+  const std::size_t indent = head.size();
+  const auto whole = static_cast<std::size_t>(std::max(columns, 0));
+  const std::string text = wrapped(cell.text, whole > indent ? whole - indent : 1, 0);
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    lines.push_back(
+        {{std::exchange(head, std::string(indent, ' '))}, {text.substr(at, end - at), cell.style}});
+    at = end + 1;
+  }
+}
+
+std::vector<ScreenLine> one_a_line(const std::vector<const Label*>& labels,
+                                   const hal::SensorFrame& frame, int columns) {
+  std::vector<ScreenLine> lines;
+  for (const Label* const label : labels) {
+    const oi::PacketInfo& info = oi::kCreate.packet(label->packet);
+    const std::vector<Cell> all = cells(*label, frame);
+    for (const Cell& cell : all) {
+      const std::string name =
+          all.size() == 1 ? std::string{info.name} : fmt::format("{}: {}", info.name, cell.label);
+      add_broken(lines, fmt::format("{:>3}  {:<40}", info.id, name), cell, columns);
+    }
+  }
+  return lines;
+}
+
 // Values keep their places while they change: a cell has the room of the longest that is usual.
 int room(const Cell& cell) {
   constexpr int kStep = 15;
@@ -144,6 +162,11 @@ std::vector<ScreenLine> several_a_line(const std::vector<const Label*>& labels,
   int column = columns;  // full: the first cell begins a line
   for (const Label* const label : labels) {
     for (const Cell& cell : cells(*label, frame)) {
+      if (cell.width() > columns) {
+        add_broken(lines, cell.label + " ", cell, columns);
+        column = columns;
+        continue;
+      }
       if (column + cell.width() > columns) {
         lines.emplace_back();
         column = 0;
@@ -166,9 +189,9 @@ std::vector<ScreenLine> sensor_view(const SensorPicture& picture,
   constexpr int kFullColumns = 80;
   const std::vector<const Label*> labels = labels_of(packets);
   const int room = window.rows - 2;  // without the first line and the last
-  const bool full = window.columns >= kFullColumns && static_cast<int>(labels.size()) <= room;
-  std::vector<ScreenLine> lines = full ? one_a_line(labels, picture.frame)
-                                       : several_a_line(labels, picture.frame, window.columns);
+  std::vector<ScreenLine> lines = one_a_line(labels, picture.frame, window.columns);
+  if (window.columns < kFullColumns || static_cast<int>(lines.size()) > room)
+    lines = several_a_line(labels, picture.frame, window.columns);
   std::string last = "Ctrl-C ends it";
   if (const int lost = static_cast<int>(lines.size()) - room; lost > 0) {
     lines.resize(static_cast<std::size_t>(std::max(room, 0)));
