@@ -200,6 +200,7 @@ class RtttlReader {
     }
     const std::optional<int> value = number();
     if (!value || !set_default(key, *value)) return fail(What::bad_default_value, begin);
+    if (peek() == '.') return fail(What::bad_default_value, position_);  // b=112.5
     if (key == 'b' && std::ranges::equal(slice(text_, next_position(), 3), kBpm, {}, lower))
       position_ += kBpm.size();
     return true;
@@ -317,7 +318,8 @@ std::string_view message(RtttlError::What what) {
     case What::no_colon: return "a ring tone is name:defaults:notes, with colons between";
     case What::bad_default: return "defaults are d=, o= and b=, separated by commas";
     case What::bad_default_value:
-      return "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is 1 to 900, s is n, c or s";
+      return "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is a whole number from 1 to 900, s is "
+             "n, c or s";
     case What::bad_duration: return "a duration is 1, 2, 4, 8, 16, 32 or 64";
     case What::bad_note: return "a note is a to h, or p for a rest";
     case What::second_dot: return "a note has one dot";

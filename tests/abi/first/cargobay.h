@@ -1113,7 +1113,8 @@ int cargobay_store_song(struct cargobay_robot* robot, uint32_t slot,
 /** Play Song (OI p. 12); the robot ignores it while a song plays. @param slot 0 to 15. */
 int cargobay_play_song(struct cargobay_robot* robot, uint32_t slot);
 /**
- * Stores a tune in RTTTL ("scale:d=8,o=5,b=120:c,d,e,f") in the song slots from `slot` on.
+ * Stores a tune in RTTTL ("scale:d=8,o=5,b=120:c,d,e,f") in the song slots from `slot` on, in any
+ * of the forms that docs/protocol.md lists.
  * @param durations_ns receives the duration of each song, after which the next may be played; as
  * many as fit; may be NULL.
  * @param capacity how many fit; 16 is always enough.

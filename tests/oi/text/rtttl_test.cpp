@@ -199,7 +199,8 @@ TEST(Rtttl, SaysWhereAndWhatIsWrong) {
   const std::string no_colon = "a ring tone is name:defaults:notes, with colons between";
   const std::string defaults = "defaults are d=, o= and b=, separated by commas";
   const std::string value =
-      "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is 1 to 900, s is n, c or s";
+      "d is 1, 2, 4, 8, 16, 32 or 64, o is 1 to 9, b is a whole number from 1 to 900, s is n, c or "
+      "s";
   const std::string division = "a duration is 1, 2, 4, 8, 16, 32 or 64";
   const std::string letter = "a note is a to h, or p for a rest";
   const std::string dot = "a note has one dot";
@@ -225,6 +226,7 @@ TEST(Rtttl, SaysWhereAndWhatIsWrong) {
       {"t:b=901:c", "column 5: " + value},
       {"t:b=99999999999999999999:c", "column 5: " + value},
       {"t:b=-5:c", "column 5: " + value},
+      {"t:b=112.5:c", "column 8: " + value},
       {"t:s=x:c", "column 5: " + value},
       {"t::3c", "column 4: " + division},
       {"t::c, 0c", "column 7: " + division},
