@@ -57,6 +57,16 @@ class RobotTool : public testing::Test {
     EXPECT_EQ(outcome.code, 1);
     return outcome.error;
   }
+  // After the pause one frame may still be in flight.
+  bool streams_no_longer() const {
+    const auto frames_later = [this](rt::Duration time) {
+      const rt::Duration now = server_->snapshot().time;
+      EXPECT_TRUE(eventually([&] { return server_->snapshot().time > now + time; }));
+      return server_->snapshot().device.frames_sent;
+    };
+    const std::uint64_t frames = frames_later(std::chrono::milliseconds{100});
+    return frames_later(std::chrono::milliseconds{100}) == frames;
+  }
   bool turning() const {
     const hal::sim::Snapshot now = server_->snapshot();
     return now.commanded.left_mm_s != 0.0 || now.commanded.right_mm_s != 0.0;
@@ -351,14 +361,14 @@ TEST_F(SendTool, PrintsFramesWhileItListens) {
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_THAT(outcome.out, HasSubstr("distance 0 mm, oi_mode 1 (passive)\n"));
   EXPECT_GT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 5);
-  // After the pause one frame may still be in flight.
-  const auto frames_later = [this](rt::Duration time) {
-    const rt::Duration now = server_->snapshot().time;
-    EXPECT_TRUE(eventually([&] { return server_->snapshot().time > now + time; }));
-    return server_->snapshot().device.frames_sent;
-  };
-  const std::uint64_t frames = frames_later(std::chrono::milliseconds{100});
-  EXPECT_EQ(frames_later(std::chrono::milliseconds{100}), frames);
+  EXPECT_TRUE(streams_no_longer());
+}
+
+TEST_F(SendTool, EndsAStreamOfPacketsThatTheManualDoesNotHave) {
+  const Outcome outcome = send({"--listen", "0.3", "start; bytes 148 2 35 200"});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr("oi_mode 1 (passive)\n"));
+  EXPECT_TRUE(streams_no_longer());
 }
 
 TEST_F(SendTool, TellsRepliesFromAStream) {

@@ -168,6 +168,13 @@ class Sending {
       if (!talk_.listen(kRestart)) return hung_up();
       return {};
     }
+    // A stream of packets that the manual does not have, or what may be one: it has to be paused.
+    if (std::ranges::find(bytes, oi::Stream::kOpcode) != bytes.end()) {
+      if (!talk_.send(bytes)) return not_sent();
+      talk_.show_bytes();
+      begin_stream(true);
+      return {};
+    }
     std::optional<Progress> progress{std::in_place, "waiting for what may come back"};
     const std::vector<std::uint8_t> answer = talk_.ask_anything(bytes);
     progress.reset();
