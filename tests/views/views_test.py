@@ -211,6 +211,23 @@ class Test:
             terminal.key("C-c")
             terminal.prompts()
 
+    def other_terminals(self) -> None:
+        """One without another screen gets no delay to read; one with it is switched once."""
+        terminal = self.terminal(80, 24, "TERM=vt100")
+        terminal.type(f"{self.binary} sensors")
+        terminal.shows(r"^sensors +\d")
+        terminal.key("C-c")
+        terminal.prompts()
+        self.expect("$<" not in terminal.screen(), f"TERM=vt100 shows:\n{terminal.screen()}")
+        terminal = self.terminal(80, 24)
+        terminal.type(f"script -qc '{self.binary} sensors' sent")
+        terminal.shows(r"^sensors +\d")
+        terminal.key("C-c")
+        terminal.prompts()
+        sent = (self.folder / "sent").read_bytes()
+        for what in (b"\x1b[?1049h", b"\x1b[?1049l"):
+            self.expect(sent.count(what) == 1, f"{what!r} is sent {sent.count(what)} times")
+
     def hazards(self) -> None:
         """Whatever the window is: all bumps, wheel drops and overcurrents are seen in full."""
         control = self.folder / "control"
@@ -342,7 +359,7 @@ def main() -> int:
         test.views_in_windows({} if write else kept())
         if write:
             SCREENS.write_text("".join(f"=== {name}\n{text}" for name, text in test.shown.items()))
-        for part in (test.suspended, test.killed, test.colours, test.hazards, test.plain, test.lines,
+        for part in (test.suspended, test.killed, test.colours, test.other_terminals, test.hazards, test.plain, test.lines,
                      test.system_calls):  # fmt: skip
             began = time.monotonic()
             part()

@@ -51,11 +51,21 @@ struct sigaction handled(int signal) {
   return former;
 }
 
+// Without the delays in it, such as $<50>: they were for terminals that could not keep up.
+std::string without_delays(std::string text) {
+  for (std::size_t at = text.find("$<"); at != std::string::npos; at = text.find("$<", at)) {
+    const std::size_t end = text.find('>', at);
+    if (end == std::string::npos) break;
+    text.erase(at, end + 1 - at);
+  }
+  return text;
+}
+
 // Empty if the terminal cannot do it.
 std::string capability(const char* name) {
   const char* const text = tigetstr(name);
   const bool there = text != nullptr && std::bit_cast<std::intptr_t>(text) != -1;
-  return there ? text : "";
+  return there ? without_delays(text) : "";
 }
 
 // Lines and columns of the scrolling region: some terminals keep it when the other screen is left.
@@ -132,6 +142,8 @@ class Canvas {
       colours_ =
           init_pair(kGoodPair, COLOR_GREEN, -1) == OK && init_pair(kAlarmPair, COLOR_RED, -1) == OK;
     }
+    // How ncurses begins: it would switch to the other screen once more, and save the cursor there.
+    (void)doupdate();
     (void)take();
   }
 
