@@ -157,7 +157,7 @@ int decode(const CLI::App& command, const DecodeOptions& options) {
     print_error(pasted.failure().message);
     return kFailure;
   }
-  if (!pasted->form.empty()) print_remark(fmt::format("the form is that of {}", pasted->form));
+  if (!pasted->form.empty()) print_remark(fmt::format("form: {}", pasted->form));
   if (!options.line.empty()) {
     std::erase_if(pasted->lines, [&](const PastedLine& line) {
       return line.name.find(options.line) == std::string::npos;

@@ -104,7 +104,7 @@ TEST(Pasted, FormsAreReadAsTheBytesThatTheyShow) {
   for (const Form& form : kForms) {
     const Outcome outcome = pasted(form.text);
     EXPECT_EQ(outcome.out, expected) << form.name << ": " << outcome.error;
-    EXPECT_THAT(outcome.error, HasSubstr("the form is that of")) << form.name;
+    EXPECT_THAT(outcome.error, HasSubstr("cargobay: form: ")) << form.name;
   }
 }
 
@@ -162,7 +162,7 @@ TEST(Pasted, TakesAmbiguousDigitsAsDecimalIfToldTo) {
 
 TEST(Pasted, TakesPlainBytesForNoDump) {
   for (const char* text : {"000000 112233", "0000 0000 89", "00:00:89"}) {
-    EXPECT_THAT(pasted(text).error, Not(HasSubstr("the form is"))) << text;
+    EXPECT_THAT(pasted(text).error, Not(HasSubstr("form: "))) << text;
   }
 }
 

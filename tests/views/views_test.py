@@ -359,8 +359,8 @@ def main() -> int:
         test.views_in_windows({} if write else kept())
         if write:
             SCREENS.write_text("".join(f"=== {name}\n{text}" for name, text in test.shown.items()))
-        for part in (test.suspended, test.killed, test.colours, test.other_terminals, test.hazards, test.plain, test.lines,
-                     test.system_calls):  # fmt: skip
+        for part in (test.suspended, test.killed, test.colours, test.other_terminals, test.hazards,
+                     test.plain, test.lines, test.system_calls):  # fmt: skip
             began = time.monotonic()
             part()
             print(f"{part.__name__}: {time.monotonic() - began:.1f} s")

@@ -132,7 +132,8 @@ class AnalyserTable {
       if (!byte && !characters) byte = byte_in_base(row.data, 10);
       if (!byte) byte = character_cell(row.data);
       if (!byte)
-        return hal::Failure{fmt::format("line {}: '{}' is not a byte", row.number, row.data)};
+        return hal::Failure{fmt::format(
+            "line {}: '{}' is not a byte; export the bytes in hexadecimal", row.number, row.data)};
       line_named(pasted.lines, row.name).bytes.push_back(*byte);
     }
     return pasted;
