@@ -32,6 +32,13 @@ std::int32_t with_sign(const ArgumentInfo& argument, std::int32_t number, bool h
   return unsigned_form && known ? number - span : number;
 }
 
+// For what is wrong with `bytes`, which makes no command of its own.
+constexpr CommandInfo kRawBytes = [] {
+  CommandInfo info = kCommandInfo<Script::kOpcode>;
+  info.key = kRawBytesKey;
+  return info;
+}();
+
 // For the slot of a tune, and for what is wrong with it: on the wire there are songs.
 constexpr CommandInfo kTune = [] {
   CommandInfo info = kCommandInfo<Song::kOpcode>;
@@ -146,11 +153,17 @@ class Encoder {
         nearest.consider(info.key);
       }
     }
+    if (beyond_ == Beyond::manual) {
+      nearest.consider_misspelt(kRawBytesKey);
+      for (const ExtensionCommand& command : kExtensionCommands)
+        nearest.consider_misspelt(command.info.key);
+    }
     const bool number = beyond_ == Beyond::manual && parse_integer(key.text).has_value();
+    const std::string_view next = word_.kind == Token::Kind::word ? word_.text : "";
     return fail_with(
         {.code = Code::unknown_command, .position = key.position, .length = key.text.size()},
         number ? "to send numbers as they are, write for example: bytes 142 35"
-               : command_advice(key.text),
+               : command_advice(key.text, next),
         nearest.name());
   }
 
@@ -287,11 +300,10 @@ class Encoder {
   }
 
   bool raw_bytes() {
-    const CommandInfo& info = kCommandInfo<Script::kOpcode>;
-    const ArgumentInfo& byte = element_arguments(info.tail)[0];
-    if (word_.kind != Token::Kind::word) return missing(info, byte);
+    const ArgumentInfo& byte = element_arguments(kRawBytes.tail)[0];
+    if (word_.kind != Token::Kind::word) return missing(kRawBytes, byte);
     while (word_.kind == Token::Kind::word) {
-      if (!element_value(info, byte, take())) return false;
+      if (!element_value(kRawBytes, byte, take())) return false;
     }
     return true;
   }

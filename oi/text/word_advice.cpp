@@ -1,6 +1,7 @@
 #include "oi/text/word_advice.hpp"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "oi/packet_table.hpp"
@@ -36,7 +37,8 @@ constexpr Advice kForCommands[]{
      "(docs/wiring.md); then: start"},
     {"reset reboot restart hard_reset soft_reset",
      "the manual has no reset: switch the robot off and on by its power button; start ends what it "
-     "does and makes it Passive"},
+     "does and makes it Passive. Some robots know soft_reset, which is not in the manual; cargobay "
+     "send has it"},
     {"reset_odometry reset_odom zero", "distance and angle count from their last reading"},
     {"dock seek_dock force_seeking_dock find_dock go_dock go_home home return return_to_base base "
      "come_home charge recharge cover_dock dock_cover",
@@ -45,26 +47,27 @@ constexpr Advice kForCommands[]{
      "cleaning is a demo here, which drives the robot over the floor without a brush: cover"},
     {"motors motor pwm pwm_motors motors_on motors_off vacuum_motor brush side_brush main_brush",
      "the Roomba's motors (138) are low_side_drivers here, and pwm_low_side_drivers sets their "
-     "power"},
+     "power; to stop the wheels, write: stop"},
     {"go move run walk forward forwards ahead fwd backward backwards back bwd reverse rev left "
-     "right "
-     "turn turn_left turn_right rotate spin circle curve arc steer straight cruise fast faster "
-     "slow "
-     "slower accelerate speed velocity set_speed set_velocity wheel wheels drive_wheels drive_pwm "
-     "drive_straight twist cmd_vel teleop",
+     "right turn turn_left turn_right rotate spin circle curve arc steer straight cruise fast "
+     "faster slow slower accelerate speed velocity set_speed set_velocity wheel wheels "
+     "drive_wheels drive_pwm drive_straight twist cmd_vel teleop",
      "motion is the speeds of both wheels, in mm/s: drive_direct LEFT RIGHT; to end it: stop"},
-    {"beep buzz horn alarm sound sing music melody tone tones notes play_song song_play play_tune",
-     "store notes with song SLOT NOTE:DURATION ..., then: play SLOT"},
+    {"beep buzz horn alarm sound sing music melody tone tones notes play_song song_play play_tune "
+     "rtttl ringtone",
+     "store notes with song SLOT NOTE:DURATION ..., or a ring tone with tune SLOT RTTTL; then: "
+     "play SLOT"},
     {"light lights lamp led_on led_off leds_on leds_off",
      "write: leds NAMES COLOR INTENSITY, such as leds play 0 255"},
     {"battery status state info read get data sensor_data telemetry bump bumps bumper bumpers "
-     "cliff "
-     "cliffs wheel_drop wheel_drops button volts amps temperature charging encoder odometry odom "
-     "pose position",
+     "cliff cliffs wheel_drop wheel_drops button volts amps temperature charging encoder odometry "
+     "odom pose position",
      "values are read with: sensors PACKET, such as sensors battery_charge; sensors 6 is all"},
-    {"firmware version date id name ping",
-     "no command of the manual asks for that; to see that the "
-     "robot answers: sensors oi_mode"},
+    {"firmware version firmware_version date build",
+     "no command of the manual asks for that. Some robots know firmware_date, which is not in it; "
+     "cargobay send has it"},
+    {"id name ping",
+     "no command of the manual asks for that; to see that the robot answers: sensors oi_mode"},
     {"mode get_mode which_mode set_mode safe_mode full_mode",
      "it is read with: sensors oi_mode; start, safe and full set it"},
     {"query request poll ask", "one packet is read with sensors PACKET, several with query_list"},
@@ -77,6 +80,9 @@ constexpr Advice kForCommands[]{
     {"output outputs digital_output gpio",
      "write: digital_outputs NAMES, such as digital_outputs output_0"},
     {"ir infrared emit", "write: send_ir BYTE"},
+    {"raw hex opcode raw_bytes",
+     "write: bytes BYTE ..., such as bytes 142 7; outside scripts, cargobay send and encode have "
+     "it"},
     {"oi init initialize initialise connect open begin hello", "the first command is: start"},
     {"help man commands list", "the commands are listed in docs/protocol.md"},
     {"schedule set_day_time day_time digit_leds digit_leds_raw digit_leds_ascii schedule_leds "
@@ -105,15 +111,27 @@ bool has_word(std::string_view words, std::string_view wanted) {
   return false;
 }
 
-}  // namespace
-
-std::string_view command_advice(std::string_view word) {
-  for (const CommandInfo& info : kCommands) {
-    if (is_spelt_alike(info.key, word)) return {};  // a command of ours, misspelt
-  }
+// From the table; empty if the word is not in it.
+std::string_view listed_advice(std::string_view word) {
   for (const Advice& each : kForCommands) {
     if (has_word(each.words, word)) return each.advice;
   }
+  return {};
+}
+
+bool is_letter_or_digit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+}  // namespace
+
+std::string_view command_advice(std::string_view word) {
+  // halt! and off() are halt and off.
+  while (!word.empty() && !is_letter_or_digit(word.back())) word.remove_suffix(1);
+  for (const CommandInfo& info : kCommands) {
+    if (is_spelt_alike(info.key, word)) return {};  // a command of ours, misspelt
+  }
+  if (const std::string_view advice = listed_advice(word); !advice.empty()) return advice;
   const auto is_named = [word](const auto& each) {
     if constexpr (requires { each.key; }) {
       return is_spelt_alike(each.key, word);
@@ -131,6 +149,18 @@ std::string_view command_advice(std::string_view word) {
   if (std::ranges::any_of(kValueNames<DemoNumber>, is_named))
     return "that is a demo, which drives the robot: demo NAME";
   return {};
+}
+
+std::string_view command_advice(std::string_view word, std::string_view next) {
+  std::array<char, 40> both{};  // longer than any word in the table
+  const bool fits = !next.empty() && word.size() + next.size() <= both.size();
+  if (fits) {
+    const auto end =
+        std::copy(next.begin(), next.end(), std::copy(word.begin(), word.end(), both.begin()));
+    const std::string_view joined{both.data(), static_cast<std::size_t>(end - both.begin())};
+    if (const std::string_view advice = listed_advice(joined); !advice.empty()) return advice;
+  }
+  return command_advice(word);
 }
 
 std::string_view value_advice(const ArgumentInfo& argument, std::string_view word) {

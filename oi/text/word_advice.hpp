@@ -31,6 +31,8 @@ constexpr bool may_turn_wheels(const CommandInfo& info) {
 // For a word in place of a command: "to stop the wheels, write: stop". Empty if nothing is known
 // about the word.
 std::string_view command_advice(std::string_view word);
+// The same for a word and the one after it, which may be empty: power off, go home.
+std::string_view command_advice(std::string_view word, std::string_view next);
 // The same for a word in place of a value of this argument.
 std::string_view value_advice(const ArgumentInfo& argument, std::string_view word);
 

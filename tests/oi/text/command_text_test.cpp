@@ -179,9 +179,9 @@ TEST(EncodeText, TakesAScriptOfExactlyAHundredBytes) {
 TEST(EncodeText, TakesRawBytesInAScript) {
   EXPECT_EQ(bytes_of("script { bytes 137 0x1 }"), (Bytes{152, 2, 137, 1}));
   EXPECT_EQ(error_of("bytes 1"), "column 1: 'bytes' is allowed in a script only");
-  EXPECT_EQ(error_of("script { bytes }"), "column 16: script: byte is missing; it is 0 to 255");
+  EXPECT_EQ(error_of("script { bytes }"), "column 16: bytes: byte is missing; it is 0 to 255");
   EXPECT_EQ(error_of("script { bytes 256 }"),
-            "column 16: script: byte '256' is out of range; it is 0 to 255");
+            "column 16: bytes: byte '256' is out of range; it is 0 to 255");
 }
 
 TEST(EncodeText, GoesBeyondTheManualOnlyIfAllowed) {
@@ -190,7 +190,7 @@ TEST(EncodeText, GoesBeyondTheManualOnlyIfAllowed) {
   };
   EXPECT_EQ(allowed("safe; bytes 173 0x07; soft_reset; firmware_date").bytes,
             (Bytes{131, 173, 7, 7, 8}));
-  EXPECT_EQ(allowed("bytes").error, "column 6: script: byte is missing; it is 0 to 255");
+  EXPECT_EQ(allowed("bytes").error, "column 6: bytes: byte is missing; it is 0 to 255");
   EXPECT_EQ(
       allowed("soft_reset 3").error,
       "column 12: soft_reset: '3' is too much: it takes no arguments; separate commands with ;");

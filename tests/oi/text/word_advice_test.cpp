@@ -18,24 +18,24 @@ namespace {
 using testing::HasSubstr;
 
 // What format_error() says; empty for a text without an error.
-std::string complaint_about(std::string_view text) {
+std::string complaint_about(std::string_view text, Beyond beyond = Beyond::nothing) {
   std::array<std::uint8_t, 256> bytes{};
-  const TextResult result = encode_text(text, bytes);
+  const TextResult result = encode_text(text, bytes, beyond);
   if (!result.error) return "";
   std::array<char, 400> message{};
   const std::size_t size = format_error(*result.error, text, message);
   EXPECT_LT(size, message.size()) << text;
   return {message.data(), size};
 }
-// The name that it guesses; empty if it guesses none.
-std::string guess_for(std::string_view text) {
-  const std::string complaint = complaint_about(text);
+// The name that a complaint guesses; empty if it guesses none.
+std::string guess_in(const std::string& complaint) {
   constexpr std::string_view kBefore = "did you mean '";
   const std::size_t begin = complaint.find(kBefore);
   if (begin == std::string::npos) return "";
   const std::size_t name = begin + kBefore.size();
   return complaint.substr(name, complaint.find('\'', name) - name);
 }
+std::string guess_for(std::string_view text) { return guess_in(complaint_about(text)); }
 bool moves(std::string_view name) {
   return std::ranges::any_of(kCommands, [name](const CommandInfo& info) {
     return info.key == name && may_turn_wheels(info);
@@ -63,10 +63,23 @@ TEST(WordAdvice, SaysWhatAWordOfOtherRobotsIsHere) {
                                   {"power", "press its power button"},
                                   {"wake", "press its power button"},
                                   {"reset", "the manual has no reset"},
+                                  {"reset", "Some robots know soft_reset"},
+                                  {"version", "Some robots know firmware_date"},
+                                  {"halt!", "to stop the wheels, write: stop"},
+                                  {"off()", "press its power button"},
+                                  {"power off", "no command switches the Create off"},
+                                  {"power on", "no byte wakes a Create that is off"},
+                                  {"turn off", "no command switches the Create off"},
+                                  {"turn left", "drive_direct LEFT RIGHT"},
+                                  {"go home", "docking is a demo here"},
+                                  {"e stop", "to stop the wheels, write: stop"},
+                                  {"hex 89 00", "bytes BYTE ..."},
+                                  {"ringtone", "tune SLOT RTTTL"},
                                   {"dock", "drives the robot: cover_and_dock"},
                                   {"SeekDock", "drives the robot: cover_and_dock"},
                                   {"clean", "a demo here, which drives the robot over the floor"},
                                   {"motors", "low_side_drivers"},
+                                  {"motors off", "to stop the wheels, write: stop"},
                                   {"spin", "drive_direct LEFT RIGHT"},
                                   {"forward", "drive_direct LEFT RIGHT"},
                                   {"beep", "song SLOT"},
@@ -99,9 +112,16 @@ TEST(WordAdvice, NamesOnlyCommandsThatThereAre) {
        {"stop", "demo abort", "start", "sensors battery_charge", "sensors oi_mode",
         "leds play 0 255", "pause_resume_stream pause", "pause_resume_stream resume",
         "digital_outputs output_0", "sensors 6", "stream distance", "baud 57600", "cover_and_dock",
-        "drive_direct 1 1"}) {
-    EXPECT_EQ(complaint_about(text), "") << text;
+        "drive_direct 1 1", "soft_reset", "firmware_date", "bytes 142 7",
+        "tune 0 name:d=4,o=5,b=120:8c"}) {
+    EXPECT_EQ(complaint_about(text, Beyond::manual), "") << text;
   }
+}
+
+TEST(WordAdvice, KnowsMisspeltWordsBeyondTheManualWhereTheyAreAllowed) {
+  EXPECT_EQ(guess_in(complaint_about("byte 7", Beyond::manual)), "bytes");
+  EXPECT_EQ(guess_in(complaint_about("frimware_date", Beyond::manual)), "firmware_date");
+  EXPECT_EQ(guess_for("frimware_date"), "");
 }
 
 TEST(StopWord, StopsTheWheels) {
