@@ -30,7 +30,8 @@ int after_output(int code) {
   (void)std::fflush(stdout);  // never fails; output_error() reports the result
   const std::error_code error = cli::output_error();
   const bool ended_by_it = code == cli::kSignalled + SIGPIPE;
-  if (!error || (code != cli::kSuccess && !ended_by_it)) return code;
+  // After a signal, what nothing read is given up without a word.
+  if (!error || (code != cli::kSuccess && code != cli::kFailure && !ended_by_it)) return code;
   cli::print_error("cannot write to standard output: " + error.message());
   return cli::kFailure;
 }
@@ -74,8 +75,7 @@ int run(std::vector<const char*> words) {
     fmt::print("{}", cli::completions(app, std::span{words}.subspan(1)));
     return after_output(cli::kSuccess);
   }
-  // `cargobay help drive` is `cargobay drive --help`.
-  if (!words.empty() && std::string_view{words.front()} == "help") {
+  if (!words.empty() && std::string_view{words.front()} == cli::kHelpWord) {
     words.erase(words.begin());
     words.push_back("--help");
   }

@@ -10,6 +10,7 @@
 #include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/remote/fault_command.hpp"
 #include "oi/command_table.hpp"
+#include "oi/extensions.hpp"
 #include "oi/packet_table.hpp"
 #include "tests/pty/tools_process.hpp"
 
@@ -38,6 +39,12 @@ TEST(Usage, NamesWhatWasMeantAndTheHelpForIt) {
            {{"drive_direct", "100", "100"}, "one of the robot's; see: cargobay send --help"},
            {{"xyzzy"}, "'xyzzy' is not a command; see: cargobay --help"},
            {{}, "which command? see: cargobay --help"},
+           {{"Drive"}, "'Drive' is not a command; did you mean 'drive'?"},
+           {{"SEND", "stop"}, "did you mean 'send'?"},
+           {{"soft_reset"}, "one of the robot's; see: cargobay send --help"},
+           {{"--halp"}, "cargobay has no option --halp; did you mean --help?"},
+           {{"--verison"}, "did you mean --version?"},
+           {{"-V"}, "did you mean --version?"},
            {{"--port", "/dev/null", "drive"},
             "options follow the command: cargobay COMMAND --port"},
            {{"drive", "--seped", "3"},
@@ -142,7 +149,8 @@ TEST(Completion, OffersTheWordsOfTheTables) {
   EXPECT_EQ(offered({"sim", "--fault", ""}), names_in(hal::sim::faults(), by_name));
   EXPECT_EQ(offered({"drive", "--plant", ""}), names_in(hal::sim::plants(), by_name));
   std::set<std::string> commands = names_in(oi::kCommands, by_key);
-  commands.insert("stop");
+  commands.merge(names_in(oi::kExtensionCommands, [](const auto& row) { return row.info.key; }));
+  commands.insert({"stop", "tune", "bytes"});
   EXPECT_EQ(offered({"send", ""}), commands);
   EXPECT_EQ(offered({"encode", "safe;", ""}), commands);
   // Each is a profile that drives.
@@ -176,6 +184,8 @@ TEST(Completion, KeepsWhatAValueIsJoinedTo) {
   EXPECT_EQ(offered({"send", "stream", "distance", "ang"}), std::set<std::string>{"angle"});
   EXPECT_EQ(offered({"drive", "--duration", ""}), std::set<std::string>{});
   EXPECT_EQ(offered({"nonsense", "--po"}), std::set<std::string>{});
+  EXPECT_EQ(offered({"bringup", "--brc-line", "r"}), std::set<std::string>{"rts"});
+  EXPECT_EQ(offered({"help", "dri"}), std::set<std::string>{"drive"});
   EXPECT_EQ(run_tool({"complete"}).code, 0);
 }
 

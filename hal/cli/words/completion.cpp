@@ -107,6 +107,7 @@ void offer_options(const CLI::App& command, Printer& printer) {
 }  // namespace
 
 std::string completions(const CLI::App& app, std::span<const char* const> words) {
+  if (words.size() > 1 && std::string_view{words.front()} == kHelpWord) words = words.subspan(1);
   if (words.empty()) return "";
   const std::string_view current = words.back();
   const Place place = place_after(app, words.first(words.size() - 1));

@@ -12,6 +12,8 @@ namespace cargobay::cli {
 
 // `cargobay complete WORD...` prints completions(). Not in --help: it is for shells.
 inline constexpr const char* kCompleteWord = "complete";
+// `cargobay help drive` is `cargobay drive --help`.
+inline constexpr const char* kHelpWord = "help";
 // The line that says: names of files, too.
 inline constexpr const char* kFilesLine = ":files";
 

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "oi/command_table.hpp"
+#include "oi/extensions.hpp"
 #include "oi/text/nearest_name.hpp"
 #include "oi/text/word_advice.hpp"
 
@@ -66,6 +67,8 @@ constexpr Synonym kForOptions[]{
     {"rt realtime real_time", "require-rt"},
     {"prio", "priority"},
     {"core affinity", "cpu"},
+    {"v", "version"},
+    {"usage", "help"},
 };
 
 // Weaker stops and guards: suggested for their misspelling only.
@@ -134,17 +137,27 @@ std::string meant_subcommand(const CLI::App& app, std::string_view word) {
   return std::string{nearest.name()};
 }
 
+bool is_for_the_robot(std::string_view word) {
+  const auto is_it = [word](const oi::CommandInfo& info) {
+    return oi::is_spelt_alike(info.key, word);
+  };
+  return std::ranges::any_of(oi::kCommands, is_it) ||
+         std::ranges::any_of(oi::kExtensionCommands, is_it, &oi::ExtensionCommand::info);
+}
+
 std::string unknown_subcommand(const CLI::App& app, std::string_view word) {
   const std::string begin = fmt::format("'{}' is not a command", word);
-  for (const Meaning& each : kForSubcommands) {
-    if (is_listed(each.words, word)) return fmt::format("{}; {}", begin, each.meaning);
-  }
-  for (const oi::CommandInfo& info : oi::kCommands) {
-    if (!oi::is_spelt_alike(info.key, word)) continue;
-    return fmt::format("{} of this program but one of the robot's; see: cargobay send --help",
-                       begin);
-  }
   const std::string meant = meant_subcommand(app, word);
+  // Drive is drive, before it is a command of the robot.
+  if (!oi::is_spelt_alike(meant, word)) {
+    for (const Meaning& each : kForSubcommands) {
+      if (is_listed(each.words, word)) return fmt::format("{}; {}", begin, each.meaning);
+    }
+    if (is_for_the_robot(word)) {
+      return fmt::format("{} of this program but one of the robot's; see: cargobay send --help",
+                         begin);
+    }
+  }
   if (meant.empty()) return fmt::format("{}; {}", begin, help_of(app));
   return fmt::format("{}; did you mean '{}'? see: cargobay {} --help", begin, meant, meant);
 }
@@ -213,6 +226,8 @@ std::optional<std::string> wrong_first_word(const CLI::App& app,
     return option->check_name(std::string{word});
   });
   if (known) return std::nullopt;
+  if (const std::string meant = meant_option(app, word); !meant.empty())
+    return fmt::format("{} has no option {}; did you mean --{}?", app.get_name(), word, meant);
   return fmt::format("{} has no option {} of its own; options follow the command: {} COMMAND {}",
                      app.get_name(), word, app.get_name(), word);
 }

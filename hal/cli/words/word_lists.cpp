@@ -10,6 +10,7 @@
 #include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/remote/fault_command.hpp"
 #include "oi/dialect.hpp"
+#include "oi/extensions.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/text/argument_names.hpp"
 #include "oi/text/command_text.hpp"
@@ -48,6 +49,12 @@ std::vector<Word> commands() {
   std::vector<Word> words{{std::string{oi::kStopKey}, "drive_direct 0 0"}};
   for (const oi::CommandInfo& info : oi::kCommands)
     words.push_back({std::string{info.key}, fmt::format("{} (OI p. {})", info.name, info.page)});
+  words.push_back({std::string{oi::kTuneKey}, "a ring tone, as songs from a slot on"});
+  words.push_back({std::string{oi::kRawBytesKey}, "any bytes"});
+  for (const oi::ExtensionCommand& command : oi::kExtensionCommands) {
+    words.push_back({std::string{command.info.key},
+                     fmt::format("{}; only some robots know it", command.meaning)});
+  }
   return words;
 }
 
@@ -107,6 +114,8 @@ WordList words_of_option(std::string_view option, std::string_view choices) {
     for (const std::string_view name : Profile::names()) list.words.push_back({std::string{name}});
     return list;
   }
+  if (option == "brc-line" || option == "power-line")
+    return {.words = {{"rts", "of the port itself"}, {"dtr", "of the port itself"}}};
   if (option == "learnt") return {.words = {{"none", "keep nothing"}}, .files = true};
   return {.words = listed_in(choices),
           .files = is_one_of(option, kFiles) || option == "write",
