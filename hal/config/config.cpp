@@ -74,6 +74,11 @@ Key flag_key(std::string_view name, const std::function<void(bool)>& set) {
           }};
 }
 
+// A number in quotes is text.
+std::string_view unless_quoted(const toml::node& node) {
+  return node.is_string() ? ", without quotes" : "";
+}
+
 // Rates are said in thousands, and round: 57 or 115.2.
 std::string likely_rate(double value) {
   constexpr double kThousand = 1e3;
@@ -104,7 +109,7 @@ struct TakeSetting {
     const auto baud = fits ? static_cast<std::uint32_t>(number->get()) : 0U;
     if (!oi::kCreate.baud_code(baud)) {
       return "must be one of the robot's rates, such as 57600 or 19200" +
-             likely_rate(node.value<double>().value_or(0.0));
+             std::string{unless_quoted(node)} + likely_rate(node.value<double>().value_or(0.0));
     }
     config.*member = baud;
     return std::nullopt;
@@ -115,7 +120,7 @@ struct TakeSetting {
     if (!number || !range.contains(*number)) {
       const std::string unit = setting.unit.empty() ? "" : "in " + std::string{setting.unit} + ", ";
       return "must be a number from " + range.words() + ", " + unit +
-             std::string{setting.not_unit} +
+             std::string{setting.not_unit} + std::string{unless_quoted(node)} +
              likely_meaning(range, setting.mistakes, number.value_or(0.0));
     }
     config.*member = number;
@@ -125,7 +130,7 @@ struct TakeSetting {
     const auto* number = node.as_integer();
     const Range range = setting.range.value_or(Range{});
     if (number == nullptr || !range.contains(static_cast<double>(number->get())))
-      return "must be a whole number from " + range.words();
+      return "must be a whole number from " + range.words() + std::string{unless_quoted(node)};
     config.*member = static_cast<int>(number->get());
     return std::nullopt;
   }
@@ -303,7 +308,10 @@ Result<void> read_config(std::string_view text, const std::string& file, Config&
     const toml::parse_error& error = parsed.error();
     const std::size_t line = error.source().begin.line;
     return Failure{file + ":" + std::to_string(line) +
-                   ": not TOML: " + std::string{error.description()} + line_hint(text, line)};
+                   ": not TOML: " + std::string{error.description()} +
+                   (error.description().find("redefine") == std::string_view::npos
+                        ? line_hint(text, line)
+                        : "; it is there already, further up: keep one of them")};
   }
   return Reader{file, config}.read(parsed.table());
 }

@@ -10,6 +10,8 @@
 namespace cargobay::hal {
 namespace {
 
+constexpr const char* kComment = "; a comment begins with #";
+
 std::string_view stripped(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";
   const std::size_t first = text.find_first_not_of(kBlank);
@@ -37,6 +39,8 @@ std::string with_plain_quotes(std::string_view text) {
   return plain;
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 bool is_listed_word(std::string_view word, std::span<const std::string_view> words) {
   return std::ranges::any_of(
       words, [word](std::string_view each) { return oi::is_spelt_alike(each, word); });
@@ -51,24 +55,47 @@ std::optional<std::string> as_flag(std::string_view value) {
   return std::nullopt;
 }
 
-// A number with a unit or a decimal comma: as it is to be written.
-std::optional<std::string> as_number(std::string_view value) {
+// A number with leading zeros, a unit or a comma: as it is to be written. The comma of a whole
+// number groups its digits.
+std::optional<std::string> as_number(std::string_view value, bool whole) {
   constexpr std::string_view kDigits = "0123456789.+-";
+  while (value.size() > 1 && value[0] == '0' && is_digit(value[1])) value.remove_prefix(1);
   const std::size_t end = std::min(value.find_first_not_of(kDigits), value.size());
   if (end == 0 || value.find_first_of("0123456789") >= end) return std::nullopt;
   const std::string_view rest = value.substr(end);
-  if (rest.starts_with(',') && rest.find_first_not_of("0123456789", 1) == std::string_view::npos)
-    return std::string{value.substr(0, end)} + "." + std::string{rest.substr(1)};
+  if (rest.starts_with(',') && std::ranges::all_of(rest.substr(1), is_digit))
+    return std::string{value.substr(0, end)} + (whole ? "" : ".") + std::string{rest.substr(1)};
   return std::string{value.substr(0, end)};
 }
 
-bool takes_text(std::string_view key) {
+const Setting* find_setting(std::string_view key) {
   for (const Setting& setting : settings()) {
-    if (setting.key != key) continue;
-    return std::holds_alternative<std::string Config::*>(setting.member) ||
-           std::holds_alternative<std::optional<rt::Remainder> Config::*>(setting.member);
+    if (setting.key == key) return &setting;
   }
-  return key == "chip" || key == "line" || key == "bias";
+  return nullptr;
+}
+
+bool takes_text(std::string_view key) {
+  const Setting* const setting = find_setting(key);
+  if (setting == nullptr) return key == "chip" || key == "line" || key == "bias";
+  return std::holds_alternative<std::string Config::*>(setting->member) ||
+         std::holds_alternative<std::optional<rt::Remainder> Config::*>(setting->member);
+}
+
+bool takes_whole_number(std::string_view key) {
+  const Setting* const setting = find_setting(key);
+  return setting != nullptr &&
+         (std::holds_alternative<std::optional<std::uint32_t> Config::*>(setting->member) ||
+          std::holds_alternative<std::optional<int> Config::*>(setting->member));
+}
+
+// For a value that begins with a quote.
+std::string hint_of_quoted(std::string_view value) {
+  const std::size_t end = value.find(value.front(), 1);
+  if (end == std::string_view::npos) return "; does its text end with a quote?";
+  const std::string_view rest = stripped(value.substr(end + 1));
+  if (rest.starts_with("//") || rest.starts_with(';')) return kComment;
+  return rest.empty() || rest.starts_with('#') ? "" : "; nothing but a comment may follow the text";
 }
 
 std::string hint_of_value(std::string_view key, std::string_view value) {
@@ -76,11 +103,11 @@ std::string hint_of_value(std::string_view key, std::string_view value) {
   if (value.empty()) return "; its value is missing";
   if (const std::string plain = with_plain_quotes(value); plain != value)
     return "; quotes are plain ones: " + begin + plain;
-  if (value.starts_with('"') || value.starts_with('\'')) return "; does its text end with a quote?";
+  if (value.starts_with('"') || value.starts_with('\'')) return hint_of_quoted(value);
   if (const auto flag = as_flag(value); flag && !takes_text(key))
-    return "; that is written: " + begin + *flag;
-  if (const auto number = as_number(value); number && !takes_text(key))
-    return "; a number is digits and a point alone: " + begin + *number;
+    return *flag == value ? "" : "; that is written: " + begin + *flag;
+  if (const auto number = as_number(value, takes_whole_number(key)); number && !takes_text(key))
+    return *number == value ? "" : "; a number is digits and a point alone: " + begin + *number;
   return "; text goes in quotes: " + begin + "\"" + std::string{value} + "\"";
 }
 
@@ -89,7 +116,7 @@ std::string hint_of_value(std::string_view key, std::string_view value) {
 std::string line_hint(std::string_view text, std::size_t line) {
   const std::string_view words = numbered_line(text, line);
   if (words.empty() || words.starts_with('#')) return "";
-  if (words.starts_with("//") || words.starts_with(';')) return "; a comment begins with #";
+  if (words.starts_with("//") || words.starts_with(';')) return kComment;
   if (words.starts_with('[')) {
     if (words.find(']') != std::string_view::npos) return "";
     return "; the name of a table goes in brackets: " + std::string{words} + "]";
@@ -105,7 +132,8 @@ std::string line_hint(std::string_view text, std::size_t line) {
   }
   std::string_view value = stripped(words.substr(equals + 1));
   value = stripped(value.substr(0, value.find(" #")));
-  return hint_of_value(stripped(words.substr(0, equals)), value);
+  const std::string_view key = stripped(words.substr(0, equals));
+  return key.empty() ? "; the name before the = is missing" : hint_of_value(key, value);
 }
 
 }  // namespace cargobay::hal

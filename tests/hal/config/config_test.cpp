@@ -18,6 +18,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 std::string complaint(std::string_view text) {
@@ -145,10 +146,25 @@ TEST(ConfigFile, SaysHowALineIsWritten) {
            {"// the robot", "a comment begins with #"},
            {"[pins.brc]\nchip = pinctrl-bcm2835",
             "text goes in quotes: chip = \"pinctrl-bcm2835\""},
+           {"baud = 57,600", "alone: baud = 57600"},
+           {"baud = 057600", "alone: baud = 57600"},
+           {"port = 'x' // mine", "a comment begins with #"},
+           {"port = 'x' baud = 57600", "nothing but a comment may follow the text"},
+           {"= 3", "the name before the = is missing"},
+           {"port = 'a'\nport = 'b'", "further up: keep one of them"},
+           {"baud = 57600\nbaud = 57600", "further up: keep one of them"},
            {"port", "a line is a [table], or: key = value"}}) {
     EXPECT_THAT(complaint(line.text), AllOf(HasSubstr("not TOML"), HasSubstr(line.says)))
         << line.text;
   }
+}
+
+TEST(ConfigFile, SaysThatNumbersHaveNoQuotes) {
+  for (const char* const text :
+       {"baud = '57600'", "[robot]\nwheel_base_mm = '258'", "[realtime]\npriority = '80'"}) {
+    EXPECT_THAT(complaint(text), HasSubstr(", without quotes")) << text;
+  }
+  EXPECT_THAT(complaint("baud = 5"), Not(HasSubstr("quotes")));
 }
 
 // What the hint tells to write can be read.
