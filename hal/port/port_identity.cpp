@@ -40,6 +40,12 @@ std::string model(const PortInfo& port) {
   return text.data();
 }
 
+void note_adapter(PortIdentity& identity, const PortInfo& port) {
+  identity.usb_vendor_id = port.usb_vendor_id;
+  identity.usb_product_id = port.usb_product_id;
+  identity.usb_serial = port.usb_serial;
+}
+
 std::string difference(const PortInfo& there, const PortInfo& wanted) {
   if (!is_known_adapter(there)) return "not a USB adapter";
   if (model(there) != model(wanted)) return "USB " + model(there) + " instead of " + model(wanted);
@@ -54,7 +60,14 @@ std::string difference(const PortInfo& there, const PortInfo& wanted) {
 Result<PortIdentity> identify(const std::string& path, const std::vector<PortInfo>& ports) {
   PortIdentity identity{.path = path};
   std::error_code error;
-  if (fs::is_symlink(path, error)) return identity;
+  if (fs::is_symlink(path, error)) {
+    const std::string linked = fs::canonical(path, error).string();
+    const auto port = std::ranges::find(ports, linked, &PortInfo::path);
+    if (port == ports.end() || !is_known_adapter(*port)) return identity;
+    identity.linked = linked;
+    note_adapter(identity, *port);
+    return identity;
+  }
   if (is_pty(path)) {
     return Failure{path +
                    " may be another program's terminal when it comes back; name the port by a "
@@ -67,11 +80,30 @@ Result<PortIdentity> identify(const std::string& path, const std::vector<PortInf
   if (alike > 1) return identity;
   identity.kind = PortIdentity::Kind::usb;
   identity.stable_path = port->stable_path;
-  identity.usb_vendor_id = port->usb_vendor_id;
-  identity.usb_product_id = port->usb_product_id;
-  identity.usb_serial = port->usb_serial;
+  note_adapter(identity, *port);
   return identity;
 }
+
+namespace {
+
+constexpr const char* kPlugIn = "; plug in the robot's, or start again with this one";
+
+// Of a link that is gone, or leads nowhere.
+Failure lost_link(const PortIdentity& identity,
+                  const std::function<std::vector<PortInfo>()>& ports) {
+  const Failure gone{identity.path + " is not there",
+                     std::make_error_code(std::errc::no_such_device)};
+  if (identity.linked.empty() || !exists(identity.linked)) return gone;
+  const std::vector<PortInfo> all = ports();
+  const auto there = std::ranges::find(all, identity.linked, &PortInfo::path);
+  if (there == all.end()) return gone;
+  const PortInfo wanted = adapter_of(identity);
+  if (same_adapter(*there, wanted)) return {identity.path + " is not there yet"};
+  return {identity.path + " is not there, and " + identity.linked +
+          " is another adapter: " + difference(*there, wanted) + kPlugIn};
+}
+
+}  // namespace
 
 Result<std::string> find_port(const PortIdentity& identity,
                               const std::function<std::vector<PortInfo>()>& ports) {
@@ -79,7 +111,7 @@ Result<std::string> find_port(const PortIdentity& identity,
                      std::make_error_code(std::errc::no_such_device)};
   const bool is_there = exists(identity.path);
   if (identity.kind != PortIdentity::Kind::usb) {
-    if (!is_there) return gone;
+    if (!is_there) return lost_link(identity, ports);
     return identity.path;
   }
   // Listing all ports takes milliseconds, checking for a link microseconds.
@@ -99,8 +131,7 @@ Result<std::string> find_port(const PortIdentity& identity,
   }
   const auto there = std::ranges::find(all, identity.path, &PortInfo::path);
   if (there == all.end()) return gone;
-  return Failure{identity.path + " is another adapter: " + difference(*there, wanted) +
-                 "; plug in the robot's, or start again with this one"};
+  return Failure{identity.path + " is another adapter: " + difference(*there, wanted) + kPlugIn};
 }
 
 }  // namespace cargobay::hal

@@ -152,6 +152,28 @@ TEST_F(PortIdentityTest, FollowsALinkWhereverItLeads) {
   EXPECT_EQ(find(it, {}), link);
 }
 
+TEST_F(PortIdentityTest, SaysWhatIsThereInsteadOfALink) {
+  const std::string link = (folder_ / "usb-FTDI_3-if00-port0").string();
+  const PortInfo port = adapter(make("ttyUSB0"), "3");
+  std::filesystem::create_symlink(port.path, link);
+  const PortIdentity it = identity(link, {port});
+  EXPECT_EQ(it.kind, Kind::path) << "the link is followed, not the adapter";
+  EXPECT_EQ(find(it, {}), link);
+  EXPECT_EQ(times_listed_, 0);
+  std::filesystem::remove(link);
+  EXPECT_EQ(find(it, {adapter(port.path, "5")}), std::nullopt);
+  EXPECT_EQ(why_, link + " is not there, and " + port.path +
+                      " is another adapter: serial number 5 instead of 3; plug in the robot's, or "
+                      "start again with this one");
+  find(it, {port});
+  EXPECT_EQ(why_, link + " is not there yet");
+  std::filesystem::remove(port.path);
+  times_listed_ = 0;
+  find(it, {});
+  EXPECT_EQ(why_, link + " is not there");
+  EXPECT_EQ(times_listed_, 0) << "listing takes milliseconds";
+}
+
 TEST_F(PortIdentityTest, ListsThePortsOnlyOnceTheStableLinkIsBack) {
   PortInfo port = adapter("/dev/ttyUSB0", "A1");
   port.stable_path = make("usb-FTDI_A1-if00-port0");
