@@ -46,7 +46,8 @@ const HeardAt* first(const BringUpFailure& why, bool (Heard::*is)() const) {
   return at == why.heard.end() ? nullptr : &*at;
 }
 
-// Text or an echo; empty if there was neither.
+}  // namespace
+
 std::string what_sends(const BringUpFailure& why) {
   if (const HeardAt* const robot = first(why, &Heard::is_robots_text)) {
     return "the robot sends text" + quoted(robot->baud, robot->heard.known_line) +
@@ -72,6 +73,8 @@ std::string what_sends(const BringUpFailure& why) {
   }
   return "";
 }
+
+namespace {
 
 std::string no_answer(const BringUpFailure& why) {
   const auto& heard = why.heard;

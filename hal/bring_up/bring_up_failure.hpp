@@ -52,6 +52,9 @@ struct BringUpFailure {
 // One line: the step, what was heard, what to check.
 Failure explain(const BringUpFailure& why);
 
+// Whose text or echo was heard, and what to do about it; empty if there was neither.
+std::string what_sends(const BringUpFailure& why);
+
 // That frames with these packets take longer than a tick at this rate, and what to do about it.
 Failure too_long(const oi::StreamList& packets, std::uint32_t baud, const oi::Dialect& dialect);
 

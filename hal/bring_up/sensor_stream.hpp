@@ -19,7 +19,7 @@ namespace cargobay::hal {
 
 // Asks for the packets once (Query List) and waits for the answer, at most 1.5 s. A stream in
 // progress is paused for it and resumed. A robot that is off is started; otherwise its mode does
-// not change.
+// not change. The failure is Trouble::silent if nothing answers, or what is sent comes back.
 Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::PacketId> packets);
 
 // One frame of a SensorStream. The robot's distance and angle are those since it was last asked;

@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "hal/bring_up/other_end.hpp"
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
@@ -21,6 +22,7 @@
 #include "hal/cli/terminal/in_range.hpp"
 #include "hal/cli/terminal/operands.hpp"
 #include "hal/cli/terminal/print.hpp"
+#include "hal/cli/view/progress.hpp"
 #include "hal/guard/duty.hpp"
 #include "hal/result.hpp"
 #include "oi/dialect.hpp"
@@ -124,7 +126,13 @@ int send(const CLI::App& command, const Options& options) {
   SendOptions sending = options.sending;
   sending.listen_s = options.listen_s.value_or(sending.listen_s);
   const Sent sent = send_commands(**port, **duty, signals, sending, commands);
-  if (sent) say_how_to_play(commands);
+  if (!sent) {
+    std::optional<Progress> progress{std::in_place, "looking at what is there"};
+    const hal::Failure why = hal::name_other_end(**port, sent.failure(), StopSignals::came);
+    progress.reset();
+    return fail(why);
+  }
+  say_how_to_play(commands);
   return report(sent);
 }
 

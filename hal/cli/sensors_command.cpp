@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "hal/bring_up/other_end.hpp"
 #include "hal/bring_up/sensor_stream.hpp"
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
@@ -191,7 +192,11 @@ int sensors(const SensorsOptions& options) {
                                       ? read_once(printer, asked, **port)
                                       : watch(printer, asked, **port, name, signals);
   (*duty)->waive();  // nothing was told to move
-  return shown ? kSuccess : fail(shown.failure());
+  if (shown) return kSuccess;
+  std::optional<Progress> progress{std::in_place, "looking at what is there"};
+  const hal::Failure why = hal::name_other_end(**port, shown.failure(), StopSignals::came);
+  progress.reset();
+  return fail(why);
 }
 
 }  // namespace

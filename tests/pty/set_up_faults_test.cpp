@@ -90,16 +90,27 @@ std::string complaint_of(const std::vector<std::string>& arguments,
 
 TEST(SetUpFaults, ALoopbackPlug) {
   const OtherDevice plug{[](std::string_view bytes) { return std::string{bytes}; }};
-  EXPECT_THAT(complaint_of({"drive", "--port", plug.path()}),
-              HasSubstr("what is sent at 57600 baud comes back, and no robot answers"));
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"drive"}, {"sensors", "--json"}, {"sensors", "--packets", "7"}, {"send", "start"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {"--port", plug.path()});
+    EXPECT_THAT(complaint_of(all),
+                HasSubstr("what is sent at 57600 baud comes back, and no robot answers"))
+        << words[0];
+  }
 }
 
 TEST(SetUpFaults, TheConsoleOfAnotherComputer) {
   const OtherDevice console{
       [](std::string_view typed) { return std::string{typed} + "\r\nraspberrypi login: "; }};
-  const std::string text = complaint_of({"drive", "--port", console.path()});
-  EXPECT_THAT(text, HasSubstr("a login prompt is at this port and no robot"));
-  EXPECT_THAT(text, Not(HasSubstr("may be moving")));
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"drive"}, {"sensors"}, {"send", "sensors", "7"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.begin() + 1, {"--port", console.path()});
+    const std::string text = complaint_of(all);
+    EXPECT_THAT(text, HasSubstr("a login prompt is at this port and no robot")) << words[0];
+    EXPECT_THAT(text, Not(HasSubstr("may be moving"))) << words[0];
+  }
 }
 
 TEST(SetUpFaults, APortThatIsNotThere) {

@@ -16,6 +16,7 @@
 #include "hal/cli/terminal/standard_streams.hpp"
 #include "hal/cli/view/progress.hpp"
 #include "hal/guard/farewell.hpp"
+#include "hal/trouble.hpp"
 #include "oi/dialect.hpp"
 #include "oi/encode.hpp"
 #include "oi/extensions.hpp"
@@ -41,10 +42,10 @@ rt::Duration seconds(double count) {
 }
 
 hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
-  return {
-      fmt::format("the robot does not answer at {} baud; is it switched on and connected, and "
-                  "is this its baud rate? `cargobay bringup` finds it at any{}",
-                  baud, begins_with_start ? "" : ". If it is off, begin with: start")};
+  return {fmt::format("the robot does not answer at {} baud; is it switched on and connected, and "
+                      "is this its baud rate? `cargobay bringup` finds it at any{}",
+                      baud, begins_with_start ? "" : ". If it is off, begin with: start"),
+          hal::Trouble::silent};
 }
 
 // One run of the command: a robot, and the commands it gets, in order.

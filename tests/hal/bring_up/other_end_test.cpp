@@ -1,4 +1,6 @@
 // Something else than a robot at the other end of the cable, in virtual time.
+#include "hal/bring_up/other_end.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <deque>
@@ -12,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/bring_up/bring_up.hpp"
+#include "hal/bring_up/sensor_stream.hpp"
 #include "hal/trouble.hpp"
 #include "oi/stream_budget.hpp"
 #include "rt/unchecked.hpp"
@@ -188,6 +191,47 @@ TEST(OtherEnd, TextThatNothingKnownSendsIsNotTakenForTheRobots) {
   EXPECT_THAT(bring_up_there(other).message,
               HasSubstr("something sends text at 57600 baud (temperature 21.5 humidity 40) that is "
                         "not the robot's"));
+}
+
+const Failure kSilent{"no answer", Trouble::silent};
+
+std::string named(OtherEnd& other) { return name_other_end(other, kSilent, {}).message; }
+
+TEST(NameOtherEnd, SaysWhatABringUpWouldSay) {
+  OtherEnd plug{57600};
+  plug.loop_back();
+  EXPECT_THAT(named(plug), HasSubstr("what is sent at 57600 baud comes back"));
+  OtherEnd gps{57600};
+  gps.chatter = "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n";
+  EXPECT_THAT(named(gps), HasSubstr("a GPS receiver is at this port and no robot"));
+  OtherEnd charging{57600};
+  charging.chatter = "bat:   min 4  sec 12  mV 16325  mA 1248  deg-C 22\r\n";
+  EXPECT_THAT(named(charging), HasSubstr("it is charging or switched off"));
+  OtherEnd prompt{57600};
+  prompt.answer = [](OtherEnd& self, std::span<const std::uint8_t>) { self.say("pi login: "); };
+  EXPECT_THAT(named(prompt), HasSubstr("a login prompt is at this port and no robot"));
+}
+
+TEST(NameOtherEnd, LeavesOtherFailuresAndSilenceAsTheyAre) {
+  OtherEnd silent{57600};
+  const rt::TimePoint began = silent.now();
+  EXPECT_EQ(named(silent), "no answer");
+  EXPECT_LT(silent.now() - began, milliseconds{1500});
+  OtherEnd plug{57600};
+  plug.loop_back();
+  EXPECT_EQ(name_other_end(plug, Failure{"no port", Trouble::hung_up}, {}).message, "no port");
+  EXPECT_EQ(name_other_end(plug, kSilent, [] { return true; }).message, "no answer");
+}
+
+// The first byte of a question would be a value.
+TEST(QuerySensors, DoesNotTakeItsEchoForAnAnswer) {
+  OtherEnd plug{57600};
+  plug.loop_back();
+  const std::vector<oi::PacketId> packets{oi::PacketId::bumps_and_wheel_drops};
+  const auto values = query_sensors(plug, packets);
+  ASSERT_FALSE(values);
+  EXPECT_EQ(values.failure().code, Trouble::silent);
+  EXPECT_FALSE(SensorStream::open(plug, packets));
 }
 
 // A frame is full of zeros, and so is what frees a robot from half a command.
