@@ -115,7 +115,7 @@ int send(const CLI::App& command, const Options& options) {
     return fail({*refused});
   const auto plant = find_plain_robot(*config);  // outlives the port
   if (!plant) return fail(plant.failure());
-  auto port = open_for_use(plant->port, *config->baud);
+  auto port = open_plain(*plant, *config->baud);
   if (!port) return fail(port.failure());
   if (commands.empty()) return report(listen_only(**port, signals, *options.listen_s));
   // Without a guard the wheels would keep turning for ever if this program were killed.

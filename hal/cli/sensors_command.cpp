@@ -178,7 +178,7 @@ int sensors(const SensorsOptions& options) {
   if (!config) return fail(config.failure());
   const auto plant = find_plain_robot(*config);  // outlives the port
   if (!plant) return fail(plant.failure());
-  auto port = open_for_use(plant->port, *config->baud);
+  auto port = open_plain(*plant, *config->baud);
   if (!port) return fail(port.failure());
   const std::string name = (plant->create ? "virtual Create on " : "") + plant->port;
   // If this program is killed, the stream is still stopped and the port restored.

@@ -10,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 #include <span>
 #include <string>
@@ -126,6 +127,20 @@ TEST(SetUpFaults, APortThatTheUserMayNotOpen) {
       complaint_of({"drive", "--port", port.path()}, {.user = Command::Setup::User::nobody}),
       HasSubstr("permission denied; join the group that owns it (sudo adduser $USER "
                 "dialout) and log in again"));
+}
+
+// Opening and closing the port moves RTS and DTR, whatever the command does in between.
+TEST(SetUpFaults, APowerTogglesInverterOnDtr) {
+  const OtherDevice port{[](std::string_view) { return std::string{}; }};
+  const TemporaryFolder folder;
+  const std::string file = folder.path("c.toml");
+  std::ofstream{file} << "port = '" << port.path()
+                      << "'\n[pins.power]\nline = 'dtr'\nactive_low = true\n";
+  for (const char* const command : {"drive", "sensors"}) {
+    EXPECT_THAT(complaint_of({command, "--config", file}),
+                HasSubstr("switch the robot on or off each time that the port is opened"));
+  }
+  EXPECT_THAT(complaint_of({"send", "--config", file, "start"}), HasSubstr("each time that"));
 }
 
 TEST(SetUpFaults, BrcOnRtsOfAPortThatHasNone) {

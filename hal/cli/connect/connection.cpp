@@ -116,6 +116,9 @@ void protect_config(const PortOptions& port, Outputs& outputs) {
 hal::Result<hal::Plant> find_plain_robot(const hal::Config& config) {
   hal::Config plain;
   plain.port = config.port;
+  // GPIO lines are left alone, but opening the port moves its own.
+  if (config.pins.brc.modem_line()) plain.pins.brc = config.pins.brc;
+  if (config.pins.power_toggle.modem_line()) plain.pins.power_toggle = config.pins.power_toggle;
   auto plant = hal::find_plant(plain, {.boot_baud = *config.baud}, 0);
   if (plant && plant->create) {
     print_remark("no port is given: this is a virtual Create of its own, on " + plant->port +

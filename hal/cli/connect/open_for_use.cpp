@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hal/bring_up/robot_pins.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/port/open_port.hpp"
 
@@ -29,6 +30,14 @@ hal::Result<std::unique_ptr<hal::ByteStream>> open_for_use(const std::string& pa
   if (!port) return port.failure();
   if (!port->remark.empty()) print_remark(port->remark);
   return std::move(port->stream);
+}
+
+hal::Result<std::unique_ptr<hal::ByteStream>> open_plain(const hal::Plant& plant,
+                                                         std::uint32_t baud) {
+  auto port = open_for_use(plant.port, baud);
+  // Of a port that has neither line, nothing hangs on one.
+  if (port) (void)hal::BoundPins{plant.pins(), **port}.release();
+  return port;
 }
 
 }  // namespace cargobay::cli
