@@ -26,7 +26,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kModeTimeout{800};
 constexpr milliseconds kBootTime{3500};  // from the toggle until the robot listens
 constexpr milliseconds kBootMargin{2500};
-constexpr milliseconds kListenTime{1200};  // a charging robot prints a line a second
 constexpr milliseconds kIndicatorTimeout{1000};
 constexpr milliseconds kSendTimeout{1000};
 constexpr int kGoodFrames = 3;   // in the wanted mode, before the mode is believed
@@ -37,6 +36,12 @@ constexpr std::size_t kChangeBytes = 5;          // Start, Pause Stream, Baud
 
 std::string milliseconds_text(std::chrono::nanoseconds time) {
   return std::to_string(std::chrono::duration_cast<milliseconds>(time).count()) + " ms";
+}
+
+bool widths_good(const gpio::PlayReport& report) {
+  return report.complete() && std::ranges::all_of(report.pulses(), [](const auto& pulse) {
+           return pulse.lasted >= gpio::kBrcLeastWidth && pulse.lasted <= gpio::kBrcMostWidth;
+         });
 }
 
 class BringUp {
@@ -89,6 +94,11 @@ class BringUp {
     trouble_ = trouble;
     return Step::failed;
   }
+  // What is sent comes back also from a line that nothing drives, as that of a robot that is off.
+  Step no_robot() {
+    const bool may_be_off = toggle_left() && !probe_.heard_strangers_text();
+    return may_be_off ? Step::power_on : give_up(BringUpTrouble::silent);
+  }
   bool pulses_wanted() const {
     return pins_.has_brc() && wanted_ == request_.dialect->brc_baud && pulse_tries_ < kMostTries;
   }
@@ -97,7 +107,6 @@ class BringUp {
     return pins_.has_power_toggle() && toggles_ < kMostToggles && known_on_ != true;
   }
   bool verify_pulsed();
-  bool widths_good(const gpio::PlayReport& report) const;
 
   void tell(std::string_view step, std::string detail = "") {
     step_ = step;
@@ -204,14 +213,7 @@ BringUp::Step BringUp::greet() {
     if (probe_.answers(wanted_)) return from(wanted_);
   } while (!talk_.over() && stream_.now() < limit);
   // If the robot may be off, pulses would go unnoticed.
-  const bool may_be_off = toggle_left();
-  return pulses_wanted() && !may_be_off ? Step::pulse : Step::search;
-}
-
-bool BringUp::widths_good(const gpio::PlayReport& report) const {
-  return report.complete() && std::ranges::all_of(report.pulses(), [](const auto& pulse) {
-           return pulse.lasted >= gpio::kBrcLeastWidth && pulse.lasted <= gpio::kBrcMostWidth;
-         });
+  return pulses_wanted() && !toggle_left() ? Step::pulse : Step::search;
 }
 
 BringUp::Step BringUp::pulse() {
@@ -263,17 +265,15 @@ BringUp::Step BringUp::search() {
     if (baud != wanted_ && probe_.answers(baud)) return from(baud);
     if (talk_.over()) return Step::failed;
   }
-  if (probe_.heard_stranger()) return give_up(BringUpTrouble::silent);
-  // Before freeing: freeing a robot at a likely rate sends hundreds of bytes to one at another
-  // rate.
+  if (probe_.heard_stranger()) return no_robot();
+  // Before freeing, which sends hundreds of bytes to a robot at another rate.
   for (const std::uint32_t baud : request_.dialect->baud_rates) {
     if (request_.dialect->is_likely(baud)) continue;
-    if (probe_.heard_text() || listened_)
-      break;  // in vain: it boots or charges, or was searched for before
+    // In vain: it boots or charges, or was searched for before.
+    if (probe_.heard_text() || listened_ || talk_.over()) break;
     if (baud != wanted_ && probe_.answers(baud)) return from(baud);
-    if (talk_.over()) return Step::failed;
   }
-  return probe_.heard_stranger() ? give_up(BringUpTrouble::silent) : Step::search_deeper;
+  return probe_.heard_stranger() ? no_robot() : Step::search_deeper;
 }
 
 BringUp::Step BringUp::search_deeper() {
@@ -305,7 +305,7 @@ BringUp::Step BringUp::search_deepest() {
 BringUp::Step BringUp::listen() {
   listened_ = true;
   for (const std::uint32_t baud : probe_.rates_of_text(*request_.dialect)) {
-    if (!probe_.listen(baud, kListenTime)) return Step::failed;
+    if (!probe_.listen(baud, kTimeOfALine)) return Step::failed;
   }
   return Step::greet;
 }
@@ -377,9 +377,9 @@ Failure BringUp::failure() {
   const bool heard = report_.found_baud != 0;
   if (!heard) probe_.set_port(wanted_);  // the rate that was tried last may be slow
   if (trouble_ == BringUpTrouble::keeps_its_rate) probe_.set_port(report_.found_baud);
+  why.others = others_at(stream_.terminal().descriptor);
   // One that never answered has been told nothing that moves it: it is as it was found.
   const bool as_found = !heard && trouble_ == BringUpTrouble::cancelled;
-  why.others = others_at(stream_.terminal().descriptor);
   Parting left = as_found ? Parting::standing : farewell(stream_);
   if (!heard && probe_.heard_strangers_text()) left = Parting::standing;  // it is no robot
   if (request_.left != nullptr) *request_.left = left;

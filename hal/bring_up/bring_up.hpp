@@ -60,10 +60,10 @@ struct BringUpReport {
 // robot from a half-sent command, except at 1200 baud or less; the Baud command; the mode. Consumes
 // the first readings of the stream, which may be junk. Releases every pin at the end. Blocks for
 // 0.2 s if the robot answers at once, for up to 45 s if everything has to be tried. It tries less
-// if something else is known to be at the other end: a login prompt, a GPS receiver, its own echo.
-// After a failure the robot has been told to stop and go Passive, unless it was cancelled before
-// the robot ever answered: then it is as it was found. What is known to be no robot counts as left
-// standing. The failure says at which step it ended,
+// if something else is known to be at the other end: a login prompt, a GPS receiver; or its own
+// echo, if the power toggle does not end that. After a failure the robot has been told to stop and
+// go Passive, unless it was cancelled before the robot ever answered: then it is as it was found.
+// What is known to be no robot counts as left standing. The failure says at which step it ended,
 // what was heard, and what to check.
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
 

@@ -2,6 +2,7 @@
 // runs on the stream's clock, so in virtual time as well.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -22,6 +23,9 @@
 #include "oi/stream_decoder.hpp"
 
 namespace cargobay::hal {
+
+// Time to listen for a line of text: a charging robot and a GPS receiver send one a second.
+inline constexpr std::chrono::milliseconds kTimeOfALine{1200};
 
 // What was heard since the beginning, or since the last forget().
 struct Heard {

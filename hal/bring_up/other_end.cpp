@@ -15,7 +15,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kBetween{60};
-constexpr milliseconds kListenTime{1200};  // a GPS receiver and a charging robot talk every second
 
 }  // namespace
 
@@ -27,7 +26,7 @@ Failure name_other_end(ByteStream& stream, const Failure& silent,
     talk.send(oi::Sensors{oi::PacketId::wall});
     (void)talk.pause(kBetween);
   }
-  (void)talk.pause(kListenTime);
+  (void)talk.pause(kTimeOfALine);
   Failure named = silent;
   const std::string sender =
       what_sends({.heard = {{.baud = stream.baud(), .heard = talk.heard()}}});

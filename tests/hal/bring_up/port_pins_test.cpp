@@ -1,4 +1,8 @@
 // BRC and the power toggle on RTS and DTR of a USB cable, in virtual time.
+#include <algorithm>
+#include <span>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +10,7 @@
 #include "hal/bring_up/open_pins.hpp"
 #include "hal/sim/line/virtual_link.hpp"
 #include "hal/sim/robot/device.hpp"
+#include "hal/stream/forwarding_stream.hpp"
 #include "hal/trouble.hpp"
 
 namespace cargobay::hal {
@@ -86,6 +91,47 @@ TEST_F(PortPins, DtrSwitchesTheRobotOn) {
   EXPECT_TRUE(report->powered_on);
   EXPECT_EQ(report->rate_change, RateChange::brc);
   EXPECT_NE(device_.power(), sim::Power::off);
+}
+
+// Nothing drives the line of a robot that is off: it picks up what is sent beside it.
+class Crosstalk final : public ForwardingStream {
+ public:
+  Crosstalk(ByteStream& line, const sim::Device& robot) : ForwardingStream{line}, robot_{robot} {}
+
+  Wait wait(rt::TimePoint deadline) CARGOBAY_NONBLOCKING override {
+    return picked_up_.empty() ? stream().wait(deadline) : Wait::ready;
+  }
+  Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
+    if (picked_up_.empty()) return stream().read(bytes);
+    const std::size_t count = std::min(bytes.size(), picked_up_.size());
+    const auto end = picked_up_.begin() + static_cast<std::ptrdiff_t>(count);
+    std::copy(picked_up_.begin(), end, bytes.begin());
+    picked_up_.erase(picked_up_.begin(), end);
+    return {.count = count};
+  }
+  Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
+    if (robot_.power() == sim::Power::off)
+      picked_up_.insert(picked_up_.end(), bytes.begin(), bytes.end());
+    return stream().write(bytes);
+  }
+
+ private:
+  const sim::Device& robot_;
+  std::vector<std::uint8_t> picked_up_{};
+};
+
+TEST_F(PortPins, AnEchoDoesNotKeepARobotFromBeingSwitchedOn) {
+  device_.press_power();  // off
+  wire(Polarity::direct);
+  ASSERT_FALSE(link_.set_baud(57600));
+  Crosstalk line{link_, device_};
+  const auto lines = open_pins({.power_toggle = on("dtr")});
+  ASSERT_TRUE(lines);
+  const BringUpRequest request{.packets = oi::kCreate.list(oi::FrameList::reading),
+                               .pins = lines->pins()};
+  const auto report = hal::bring_up(line, request);
+  ASSERT_TRUE(report) << report.failure().message;
+  EXPECT_TRUE(report->powered_on);
 }
 
 TEST_F(PortPins, AreReleasedAtTheBeginning) {
