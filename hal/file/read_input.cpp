@@ -19,6 +19,9 @@ namespace {
 // How long to wait for input, in milliseconds.
 constexpr int kPatienceMs = 10'000;
 constexpr int kForever = -1;
+
+bool at_once() { return true; }
+
 constexpr const char* kNameAFile = "name a file";
 
 Failure unreadable(int error, const std::string& remedy = "name a file that can be read") {
@@ -51,10 +54,13 @@ bool something_comes(int descriptor, int patience_ms) {
 
 std::string size_text(std::size_t bytes) { return std::to_string(bytes >> 20U) + " MiB"; }
 
-Result<std::string> read_to_the_end(int descriptor, const InputLimits& limits, int patience_ms) {
+Result<std::string> read_to_the_end(int descriptor, const InputLimits& limits, int patience_ms,
+                                    const std::function<bool()>& comes) {
   std::string all;
   std::array<char, 65536> chunk{};
   for (;;) {
+    if (!comes())
+      return Failure{"interrupted", std::make_error_code(std::errc::operation_canceled)};
     const ssize_t count = read(descriptor, chunk.data(), chunk.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EAGAIN) {
@@ -88,7 +94,7 @@ Result<std::string> read_input(const std::string& path, const InputLimits& limit
   if (file.number() < 0) return unreadable(errno);
   if (fstat(file.number(), &status) != 0) return unreadable(errno);
   if (const auto allowed = check_kind(status); !allowed) return allowed.failure();
-  auto text = read_to_the_end(file.number(), limits, kPatienceMs);
+  auto text = read_to_the_end(file.number(), limits, kPatienceMs, at_once);
   if (text && text->empty() && S_ISFIFO(status.st_mode)) {
     return Failure{"it is a pipe that nothing writes to; start its writer first, or name a file",
                    std::make_error_code(std::errc::no_message)};
@@ -96,8 +102,9 @@ Result<std::string> read_input(const std::string& path, const InputLimits& limit
   return text;
 }
 
-Result<std::string> read_standard_input(const InputLimits& limits) {
-  return read_to_the_end(STDIN_FILENO, limits, kForever);
+Result<std::string> read_standard_input(const InputLimits& limits,
+                                        const std::function<bool()>& comes) {
+  return read_to_the_end(STDIN_FILENO, limits, kForever, comes);
 }
 
 }  // namespace cargobay::hal

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 
 #include "hal/result.hpp"
@@ -26,7 +27,9 @@ struct InputLimits {
 // thread.
 Result<std::string> read_input(const std::string& path, const InputLimits& limits);
 
-// All of standard input, whatever it is, up to the limit. Blocks until its end.
-Result<std::string> read_standard_input(const InputLimits& limits);
+// All of standard input, whatever it is, up to the limit. Blocks until its end, or until `comes`,
+// which is called before each read and may wait for input, returns false: code operation_canceled.
+Result<std::string> read_standard_input(const InputLimits& limits,
+                                        const std::function<bool()>& comes);
 
 }  // namespace cargobay::hal

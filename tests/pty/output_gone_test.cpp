@@ -2,6 +2,7 @@
 // status 1, and leave port and robot free.
 
 #include "drive_fixture.hpp"
+#include "shell.hpp"
 
 namespace cargobay::test {
 namespace {
@@ -64,6 +65,19 @@ TEST(GoneOutput, IsNotThatOfAReaderThatHasReadAll) {
   EXPECT_EQ(command.out(), "83\n");
 }
 
+TEST(GoneOutput, EndsWhatWaitsForStandardInput) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"encode", "decode", "decode --binary -"}) {
+    const std::string status = folder.path("status");
+    const std::string says = folder.path("says");
+    const Shell shell{"sleep 60 | { " CARGOBAY_BINARY_DIR "/cargobay " + name + " 2> " + says +
+                      "; echo $? > " + status + "; } | true"};
+    EXPECT_TRUE(eventually([&] { return contents(status) == "1\n"; })) << name;
+    EXPECT_THAT(contents(says), testing::HasSubstr("nothing reads standard output any more"));
+    std::filesystem::remove(status);
+  }
+}
+
 class FullOutputTest : public DriveTest {
  protected:
   static constexpr Setup kFull{.output = Setup::Output::full};
@@ -83,6 +97,7 @@ TEST_F(FullOutputTest, IsAnErrorOfEachCommandThatNeedsNoRobot) {
            {"pins"},
            {"doctor"},
            {"budget"},
+           {"complete", "d"},
            {"encode", "safe"},
            {"encode", "--binary", "safe"},
            {"decode", "83"},

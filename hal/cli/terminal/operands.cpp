@@ -1,9 +1,13 @@
 #include "hal/cli/terminal/operands.hpp"
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <charconv>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,6 +28,17 @@ void print_place(std::string_view text, const oi::TextError& error) {
   }
   const std::string carets(std::max<std::size_t>(error.length, 1), '^');
   fmt::print(stderr, "  {}\n  {:>{}}\n", printable, carets, position - line_begin + carets.size());
+}
+
+// Waits for standard input. False if nothing reads standard output any more.
+bool input_comes() {
+  for (;;) {
+    std::array<pollfd, 2> waited{{{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0},
+                                  {.fd = STDOUT_FILENO, .events = 0, .revents = 0}}};
+    if (poll(waited.data(), waited.size(), -1) < 0 && errno != EINTR) return true;
+    if ((waited[1].revents & (POLLERR | POLLHUP)) != 0) return false;
+    if (waited[0].revents != 0) return true;
+  }
 }
 
 // One run of digits: `89ff`, `0x9`, `137`.
@@ -118,8 +133,11 @@ hal::Result<std::vector<std::uint8_t>> read_bytes(std::string_view text, Base ba
 
 hal::Result<std::string> read_all(const std::string& path, const hal::InputLimits& limits) {
   const bool standard = path == "-";
-  auto text = standard ? hal::read_standard_input(limits) : hal::read_input(path, limits);
+  auto text =
+      standard ? hal::read_standard_input(limits, input_comes) : hal::read_input(path, limits);
   if (text) return text;
+  if (text.failure().code == std::errc::operation_canceled)
+    return hal::Failure{"nothing reads standard output any more", text.failure().code};
   return hal::Failure{
       fmt::format("cannot read {}: {}", standard ? "standard input" : path, text.failure().message),
       text.failure().code};
