@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 
 #include "hal/cli/commands.hpp"
+#include "hal/cli/connect/bring_up_report.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
 #include "hal/cli/drawing/picture.hpp"
@@ -27,6 +28,7 @@
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
+#include "hal/cli/view/progress.hpp"
 #include "hal/jitter/run.hpp"
 #include "oi/dialect.hpp"
 
@@ -203,7 +205,7 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   if (!plant) return plant.failure();
   robot.plant = std::move(*plant);
   request.server = robot.plant.server();
-  request.pins = robot.plant.pins();
+  request.bring_up.pins = robot.plant.pins();
   robot.link =
       fmt::format("{}{} at {} baud{}", request.server ? "virtual Create on " : "", robot.plant.port,
                   *config->baud, request.server ? ", frames every 15 ms" : "");
@@ -211,6 +213,20 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   if (!stream) return stream.failure();
   request.robot = std::move(*stream);
   return robot;
+}
+
+// Brings the robot up, if one is wanted. `signal` is set if one ended that.
+hal::Result<std::unique_ptr<jitter::Run>> prepare(jitter::RunRequest request, StopSignals& signals,
+                                                  std::optional<int>& signal) {
+  Progress progress{"preparing"};
+  request.bring_up.progress = [&](const hal::BringUpEvent& event) {
+    progress.say(in_words(event));
+  };
+  request.bring_up.cancelled = [&] {
+    if (!signal) signal = signals.wait(rt::Duration::zero());
+    return signal.has_value();
+  };
+  return jitter::Run::prepare(std::move(request));
 }
 
 int run_jitter(const JitterOptions& options) {
@@ -232,12 +248,13 @@ int run_jitter(const JitterOptions& options) {
   const AtFirstSignal unload{[&load] { load.end(); }};
   auto robot = find_robot(options, request);  // outlives the run
   if (!robot) return fail(robot.failure());
-  auto run = jitter::Run::prepare(std::move(request));
+  std::optional<int> signal;
+  auto run = prepare(std::move(request), signals, signal);
+  if (signal) return kSignalled + *signal;
   if (!run) return fail(run.failure());
 
   const jitter::Usage before = jitter::look_at_usage();
   const rt::TimePoint begin = rt::Clock::now();
-  std::optional<int> signal;
   const auto measured = measure(**run, signals, signal);
   const double seconds = rt::seconds(rt::Clock::now() - begin);
   const jitter::Usage used = jitter::look_at_usage() - before;

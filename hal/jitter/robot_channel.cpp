@@ -104,14 +104,14 @@ class RobotChannel final : public Channel {
   RobotChannel(const RobotChannel&) = delete;
   RobotChannel& operator=(const RobotChannel&) = delete;
 
-  Result<void> bring_up_robot(const RobotPins& pins) {
+  Result<void> bring_up_robot(BringUpRequest request) {
     auto duty = Duty::begin(*stream_, {}, settings_.priority);
     if (!duty) return duty.failure();
     duty_ = std::move(*duty);
     Parting left = Parting::unconfirmed;
-    const auto report = bring_up(
-        *stream_,
-        {.packets = oi::kCreate.list(oi::FrameList::reading), .pins = pins, .left = &left});
+    request.packets = oi::kCreate.list(oi::FrameList::reading);
+    request.left = &left;
+    const auto report = bring_up(*stream_, request);
     if (!report)
       return Failure{report.failure().message + fate(duty_->discharge_after(left)),
                      report.failure().code};
@@ -161,11 +161,11 @@ class RobotChannel final : public Channel {
 }  // namespace
 
 Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
-                                                    sim::Server* server, const RobotPins& pins,
+                                                    sim::Server* server, BringUpRequest bring_up,
                                                     const Settings& settings,
                                                     const HeldFrame& held) {
   auto channel = std::make_unique<RobotChannel>(std::move(stream), server, settings);
-  if (const auto done = channel->bring_up_robot(pins); !done) return done.failure();
+  if (const auto done = channel->bring_up_robot(std::move(bring_up)); !done) return done.failure();
   if (server != nullptr) {
     server->with_cable([&held](sim::Cable& cable) {
       cable.faults_to_host().held_every = static_cast<std::uint32_t>(held.every);

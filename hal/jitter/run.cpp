@@ -26,7 +26,7 @@ Settings of_robot(Settings settings) {
 Result<std::unique_ptr<Channel>> make_channel(const std::string& name, RunRequest& request) {
   const Settings& settings = request.settings;
   if (name == "robot")
-    return make_robot_channel(std::move(request.robot), request.server, request.pins,
+    return make_robot_channel(std::move(request.robot), request.server, request.bring_up,
                               of_robot(settings), request.held);
   if (name == "loop") return make_loop_channel(settings, request.held);
   if (name == "sleep") return make_sleep_channel(settings);

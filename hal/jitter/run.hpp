@@ -28,7 +28,7 @@ struct RunRequest {
   // For the channel "robot": already at the right rate.
   std::unique_ptr<ByteStream> robot{};
   sim::Server* server = nullptr;  // at the robot's other end; null for a real robot
-  RobotPins pins{};
+  BringUpRequest bring_up{};      // of that robot; `packets` and `left` are set here
 };
 
 class Run {

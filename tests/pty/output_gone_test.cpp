@@ -1,6 +1,12 @@
 // Commands whose output nothing reads any more, or cannot be written: they end, say so with exit
 // status 1, and leave port and robot free.
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+
 #include "drive_fixture.hpp"
 #include "shell.hpp"
 
@@ -76,6 +82,25 @@ TEST(GoneOutput, EndsWhatWaitsForStandardInput) {
     EXPECT_THAT(contents(says), testing::HasSubstr("nothing reads standard output any more"));
     std::filesystem::remove(status);
   }
+}
+
+// At a port without a robot, the bring-up of each is what ends.
+TEST(GoneOutput, EndsABringUp) {
+  const int silent = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_TRUE(silent >= 0 && grantpt(silent) == 0 && unlockpt(silent) == 0);
+  std::array<char, 64> port{};
+  ASSERT_EQ(ptsname_r(silent, port.data(), port.size()), 0);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"drive"}, {"bringup"}, {"jitter", "--channels", "robot"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {"--port", port.data()});
+    Command command{all};
+    command.close_output();
+    EXPECT_EQ(command.exit_code(), 1) << words[0];
+    EXPECT_THAT(command.err(), OneErrorLine("cannot write to standard output: Broken pipe"))
+        << words[0];
+  }
+  close(silent);
 }
 
 class FullOutputTest : public DriveTest {
