@@ -147,7 +147,8 @@ class Encoder {
     nearest.consider(kStopKey);
     nearest.consider(kTuneKey);
     for (const CommandInfo& info : kCommands) {
-      if (may_turn_wheels(info)) {
+      // In Full mode nothing stops the robot at a cliff.
+      if (may_turn_wheels(info) || info.opcode == Full::kOpcode) {
         nearest.consider_misspelt(info.key);
       } else {
         nearest.consider(info.key);

@@ -172,6 +172,13 @@ TEST(Suggestions, NeverSetARobotInMotion) {
   }
 }
 
+TEST(Suggestions, DoNotTakeTheGuardOfSafeModeAway) {
+  for (const char* const word : {"pull", "null", "fell", "fall", "fuel", "bull"})
+    EXPECT_NE(guess_for(word), "full") << word;
+  for (const char* const word : {"ful", "fulll", "flul", "Full"})
+    EXPECT_EQ(guess_for(word), "full") << word;
+}
+
 TEST(Suggestions, NameAMotionForItsMisspelling) {
   struct Row {
     const char* word;
