@@ -59,6 +59,17 @@ void add_commands(CLI::App& app, cli::Action& chosen) {
   cli::add_decode(app, chosen);
 }
 
+// What stands before operands that look like options, in `encode -- -200`. Commands that take
+// operands need none, and CLI11 would leave what follows it to the program itself.
+void drop_double_dash(const CLI::App& app, std::vector<const char*>& words) {
+  const auto takes_operands = [&words](const CLI::App* command) {
+    return command->get_name() == words.front() && command->get_allow_extras();
+  };
+  if (words.empty() || app.get_subcommands(takes_operands).empty()) return;
+  const auto dash = std::ranges::find(words, std::string_view{"--"});
+  if (dash != words.end()) words.erase(dash);
+}
+
 int usage_error(const std::string& message) {
   cli::print_error(message);
   return cli::kUsageError;
@@ -80,6 +91,7 @@ int run(std::vector<const char*> words) {
     words.push_back("--help");
   }
   if (const auto wrong = cli::wrong_first_word(app, words)) return usage_error(*wrong);
+  drop_double_dash(app, words);
   words.insert(words.begin(), "cargobay");
   try {
     app.parse(static_cast<int>(words.size()), words.data());

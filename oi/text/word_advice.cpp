@@ -6,6 +6,7 @@
 
 #include "oi/packet_table.hpp"
 #include "oi/text/nearest_name.hpp"
+#include "oi/text/text_number.hpp"
 #include "oi/value_names.hpp"
 
 namespace cargobay::oi {
@@ -96,6 +97,7 @@ struct ValueAdvice {
 };
 
 constexpr ValueAdvice kForValues[]{
+    {"packet", {"all everything", "packet 6 has all"}},
     {"demo", {"stop halt off none end quit cancel kill start", "to end a demo, write: demo abort"}},
     {"velocity left right radius", {"stop halt off none", "to stop the wheels, write: stop"}},
     {"radius",
@@ -132,6 +134,7 @@ std::string_view command_advice(std::string_view word) {
     if (is_spelt_alike(info.key, word)) return {};  // a command of ours, misspelt
   }
   if (const std::string_view advice = listed_advice(word); !advice.empty()) return advice;
+  if (parse_integer(word)) return listed_advice("raw");
   const auto is_named = [word](const auto& each) {
     if constexpr (requires { each.key; }) {
       return is_spelt_alike(each.key, word);

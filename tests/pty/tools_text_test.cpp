@@ -45,6 +45,11 @@ TEST(EncodeTool, TakesCommandsNamedAsItsOwnSubcommands) {
   EXPECT_EQ(encode({"drive", "0", "0"}).out, "89 00 00 00 00\n");
 }
 
+TEST(EncodeTool, TakesADoubleDashBeforeTheText) {
+  EXPECT_EQ(encode({"--", "drive", "-200", "500"}).out, "89 ff 38 01 f4\n");
+  EXPECT_EQ(decode({"--", "83"}).code, 0);
+}
+
 TEST(EncodeTool, ReadsStandardInput) {
   EXPECT_EQ(encode({}, "safe\n# slow\ndrive_direct 10 10\n").out, "83 91 00 0a 00 0a\n");
   EXPECT_EQ(encode({"-"}, "full").out, "84\n");

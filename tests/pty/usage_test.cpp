@@ -59,6 +59,7 @@ TEST(Usage, NamesWhatWasMeantAndTheHelpForIt) {
            {{"jitter", "compar"}, "did you mean 'compare'? see: cargobay jitter --help"},
            {{"jitter", "compare", "--plto", "x"},
             "did you mean --plot? see: cargobay jitter compare"},
+           {{"ports", "--", "usb"}, "cargobay ports takes no 'usb'; see: cargobay ports --help"},
            {{"drive", "fast"}, "cargobay drive takes no 'fast'; see: cargobay drive --help"},
            {{"drive", "--speed"}, "see: cargobay drive --help"},
            {{"sim", "--count", "many"}, "see: cargobay sim --help"}}) {

@@ -202,8 +202,9 @@ std::optional<std::string> unknown_option_in(const CLI::App& command) {
   return std::nullopt;
 }
 
-std::string left_over(const CLI::App& command) {
-  const std::vector<std::string> words = command.remaining();
+std::string left_over(const CLI::App& app, const CLI::App& command) {
+  std::vector<std::string> words = command.remaining();
+  if (words.empty()) words = app.remaining();  // what follows `--`
   if (words.empty()) return help_of(command);
   const std::string begin = fmt::format("{} takes no '{}'", full_name(command), words.front());
   const std::string meant = meant_subcommand(command, words.front());
@@ -240,7 +241,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
   // An option that is unknown may be why another seems to be missing.
   if (const auto unknown = unknown_option_in(command)) return *unknown;
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return left_over(command);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return left_over(app, command);
   return fmt::format("{}; {}", error.what(), help_of(command));
 }
 

@@ -74,6 +74,8 @@ TEST(WordAdvice, SaysWhatAWordOfOtherRobotsIsHere) {
                                   {"go home", "docking is a demo here"},
                                   {"e stop", "to stop the wheels, write: stop"},
                                   {"hex 89 00", "bytes BYTE ..."},
+                                  {"128 131", "bytes BYTE ..."},
+                                  {"0x83", "bytes BYTE ..."},
                                   {"ringtone", "tune SLOT RTTTL"},
                                   {"dock", "drives the robot: cover_and_dock"},
                                   {"SeekDock", "drives the robot: cover_and_dock"},
@@ -99,6 +101,7 @@ TEST(WordAdvice, SaysWhatAWordOfOtherRobotsIsHere) {
 }
 
 TEST(WordAdvice, SaysWhatAValueOfEveryDayIsHere) {
+  EXPECT_THAT(complaint_about("sensors all"), HasSubstr("packet 6 has all"));
   EXPECT_THAT(complaint_about("demo stop"), HasSubstr("to end a demo, write: demo abort"));
   EXPECT_THAT(complaint_about("drive stop 0"), HasSubstr("to stop the wheels, write: stop"));
   EXPECT_THAT(complaint_about("drive_direct 0 off"), HasSubstr("write: stop"));
