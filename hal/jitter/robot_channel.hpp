@@ -12,9 +12,9 @@ namespace cargobay::hal::jitter {
 
 // Brings the robot up, as in hal/bring_up/bring_up.hpp; when the channel is destroyed the robot is
 // left in Passive. `server`: the virtual Create at the stream's other end, which outlives the
-// channel; null for a real robot. `packets` and `left` of the bring-up are set here. Frames of a real
-// robot count as complete when they wake the loop, and none is held back: `held` is for the virtual
-// Create's line, like its fault `held`.
+// channel; null for a real robot. `packets` and `left` of the bring-up are set here. Frames of a
+// real robot count as complete when they wake the loop, and none is held back: `held` is for the
+// virtual Create's line, like its fault `held`.
 Result<std::unique_ptr<Channel>> make_robot_channel(std::unique_ptr<ByteStream> stream,
                                                     sim::Server* server, BringUpRequest bring_up,
                                                     const Settings& settings,

@@ -19,7 +19,7 @@ struct PortIdentity {
   };
   Kind kind = Kind::path;
   std::string path{};  // as it was given
-  // The rest applies to USB adapters only, and of those found by a link it is for the message alone.
+  // The rest applies to USB adapters only; if `path` is a link, it is for messages alone.
   std::string linked{};       // where the link led; empty if `path` is not one
   std::string stable_path{};  // as in PortInfo; may be empty
   int usb_vendor_id = 0;
@@ -35,8 +35,8 @@ Result<PortIdentity> identify(const std::string& path, const std::vector<PortInf
 
 // Where the port is now. A failure says what is there instead: "/dev/ttyUSB0 is another adapter:
 // serial number 5 instead of 3", also of a link that is gone; or that several look like it: the
-// wrong one would move another robot. Its code is no_such_device only if nothing is there. Calls `ports` only if needed, once;
-// blocks as long as that does; allocates.
+// wrong one would move another robot. Its code is no_such_device only if nothing is there. Calls
+// `ports` only if needed, once; blocks as long as that does; allocates.
 Result<std::string> find_port(const PortIdentity& identity,
                               const std::function<std::vector<PortInfo>()>& ports);
 
