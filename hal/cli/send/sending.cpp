@@ -64,6 +64,8 @@ class Sending {
     pause_stream();
     talk_.end_text();
     if (sent && talk_.hung_up()) sent = hung_up();
+    // Silence after motion is that of a robot: what it is need not be asked.
+    if (!sent && robot_.has_moved()) sent = hal::Failure{sent.failure().message};
     if (port_.baud() != opened_at_ && sent) {
       print_remark(
           fmt::format("the robot now runs at {0} baud; next time: --baud {0}", port_.baud()));
