@@ -39,7 +39,7 @@ std::string with_plain_quotes(std::string_view text) {
   return plain;
 }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
 
 bool is_listed_word(std::string_view word, std::span<const std::string_view> words) {
   return std::ranges::any_of(
@@ -59,11 +59,11 @@ std::optional<std::string> as_flag(std::string_view value) {
 // number groups its digits.
 std::optional<std::string> as_number(std::string_view value, bool whole) {
   constexpr std::string_view kDigits = "0123456789.+-";
-  while (value.size() > 1 && value[0] == '0' && is_digit(value[1])) value.remove_prefix(1);
+  while (value.size() > 1 && value[0] == '0' && is_decimal_digit(value[1])) value.remove_prefix(1);
   const std::size_t end = std::min(value.find_first_not_of(kDigits), value.size());
   if (end == 0 || value.find_first_of("0123456789") >= end) return std::nullopt;
   const std::string_view rest = value.substr(end);
-  if (rest.starts_with(',') && std::ranges::all_of(rest.substr(1), is_digit))
+  if (rest.starts_with(',') && std::ranges::all_of(rest.substr(1), is_decimal_digit))
     return std::string{value.substr(0, end)} + (whole ? "" : ".") + std::string{rest.substr(1)};
   return std::string{value.substr(0, end)};
 }
