@@ -67,6 +67,21 @@ std::vector<std::uint8_t> receive(ByteStream& stream, std::size_t count, rt::Dur
   return received;
 }
 
+// What comes back from Pause Stream: the rest of a stream; or the command itself, as from a loopback
+// plug or a console, where the beginning of a question would be taken for its answer.
+enum class PauseHeard : std::uint8_t { nothing, stream, echo };
+
+PauseHeard pause_stream(ByteStream& stream) {
+  constexpr oi::PauseResumeStream kPause{oi::StreamState::pause};
+  (void)tell(stream, kPause);
+  const std::vector<std::uint8_t> heard = settle(stream);
+  if (heard.empty()) return PauseHeard::nothing;
+  const auto sent = *oi::encode(kPause);  // its value is in range
+  const bool echo =
+      heard.size() >= sent.size() && std::equal(sent.begin(), sent.end(), heard.begin());
+  return echo ? PauseHeard::echo : PauseHeard::stream;
+}
+
 oi::SensorValues decode(std::span<const std::uint8_t> reply,
                         std::span<const oi::PacketId> packets) {
   oi::SensorValues values;
@@ -110,12 +125,11 @@ Result<oi::SensorValues> query_sensors(ByteStream& stream, std::span<const oi::P
   const auto query = query_for(packets);
   if (!query) return query.failure();
   const std::size_t size = query->reply_bytes;
-  constexpr oi::PauseResumeStream kPause{oi::StreamState::pause};
-  (void)tell(stream, kPause);
-  const std::vector<std::uint8_t> heard = settle(stream);
-  // From a loopback plug, the beginning of the question would be taken for the answer.
-  if (std::ranges::equal(heard, *oi::encode(kPause))) return no_answer(stream);
-  const bool streamed = !heard.empty();
+  const PauseHeard heard = pause_stream(stream);
+  // The rest of a frame may look like it, once.
+  if (heard == PauseHeard::echo && pause_stream(stream) == PauseHeard::echo)
+    return no_answer(stream);
+  const bool streamed = heard != PauseHeard::nothing;
   const rt::Duration timeout = answer_time(stream, size, packets.size());
   (void)tell(stream, query->list);  // if it was not sent, there is no answer
   std::vector<std::uint8_t> answer = receive(stream, size, timeout);

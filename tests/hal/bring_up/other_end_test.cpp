@@ -232,6 +232,12 @@ TEST(QuerySensors, DoesNotTakeItsEchoForAnAnswer) {
   ASSERT_FALSE(values);
   EXPECT_EQ(values.failure().code, Trouble::silent);
   EXPECT_FALSE(SensorStream::open(plug, packets));
+  OtherEnd console{57600};
+  console.answer = [](OtherEnd& self, std::span<const std::uint8_t> bytes) {
+    self.echo(bytes);
+    self.say("\r\npi login: ");
+  };
+  EXPECT_FALSE(query_sensors(console, packets));
 }
 
 // A frame is full of zeros, and so is what frees a robot from half a command.
