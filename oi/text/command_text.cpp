@@ -159,13 +159,10 @@ class Encoder {
       for (const ExtensionCommand& command : kExtensionCommands)
         nearest.consider_misspelt(command.info.key);
     }
-    const bool number = beyond_ == Beyond::manual && parse_integer(key.text).has_value();
     const std::string_view next = word_.kind == Token::Kind::word ? word_.text : "";
     return fail_with(
         {.code = Code::unknown_command, .position = key.position, .length = key.text.size()},
-        number ? "to send numbers as they are, write for example: bytes 142 35"
-               : command_advice(key.text, next),
-        nearest.name());
+        command_advice(key.text, next), nearest.name());
   }
 
   bool plain(const Token& key, const CommandInfo& info) {

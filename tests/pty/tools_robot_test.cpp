@@ -313,7 +313,7 @@ TEST_F(SendTool, SaysThatNothingAnswersRawBytes) {
 }
 
 TEST_F(SendTool, SaysHowANumberIsSent) {
-  EXPECT_THAT(error_of({"173"}), HasSubstr("write for example: bytes 142 35"));
+  EXPECT_THAT(error_of({"173"}), HasSubstr("write: bytes BYTE ..., such as bytes 142 7"));
 }
 
 TEST_F(SendTool, PrintsTextAndOtherBytesWhileItListens) {
