@@ -23,7 +23,9 @@ import json, sys
 result = json.load(open(sys.argv[2]))
 ratio = {r["over"]: r for r in result["ratios"]}
 p50 = {c["name"]: c["latency_ns"]["p50"] / 1e3 for c in result["channels"]}
-def cell(r): return "%.3f [%.3f, %.3f]" % (r["ratio"], r["low"], r["high"])
+def cell(r):
+    if r["low"] is None: return "%.3f [none: %s]" % (r["ratio"], r["lack"])
+    return "%.3f [%.3f, %.3f]" % (r["ratio"], r["low"], r["high"])
 loop, again = ratio["loop"], ratio["again"]
 print("| %s | %.1f | %.1f | %s | %s | %s | %s |" % (sys.argv[1], p50["loop"], p50["echo"],
       cell(loop["p50"]), cell(loop["p99"]), cell(again["p50"]), cell(again["p99"])))
