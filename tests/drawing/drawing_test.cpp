@@ -112,7 +112,7 @@ TEST(VelocityPlot, HasOneScaleForBothWheels) {
 TEST(Picture, IsNamedByItsKind) {
   for (const char* good : {"", "-", "x.svg", "x", "/dev/null", "v1.2", ".png/x", "x.json"})
     EXPECT_TRUE(check_picture_name("--plot", good)) << good;
-  for (const char* bad : {"x.jpg", "x.JPEG", "a.b/x.pdf", "x.webp"}) {
+  for (const char* bad : {"x.jpg", "x.JPEG", "a.b/x.pdf", "x.webp", "x.svgz"}) {
     const auto checked = check_picture_name("--plot", bad);
     ASSERT_FALSE(checked) << bad;
     EXPECT_THAT(checked.failure().message, HasSubstr("draws SVG and PNG"));

@@ -23,8 +23,8 @@ namespace cargobay::cli {
 namespace {
 
 constexpr const char* kConverter = "rsvg-convert";
-constexpr std::array<std::string_view, 12> kOtherKinds{"jpg", "jpeg", "gif", "webp", "pdf",  "ps",
-                                                       "eps", "bmp",  "tif", "tiff", "avif", "emf"};
+constexpr std::array<std::string_view, 13> kOtherKinds{
+    "jpg", "jpeg", "gif", "webp", "pdf", "ps", "eps", "bmp", "tif", "tiff", "emf", "avif", "svgz"};
 
 // In small letters, without the dot; empty if there is none.
 std::string ending(const std::string& path) {
