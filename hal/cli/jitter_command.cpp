@@ -155,8 +155,10 @@ hal::Result<void> save(const jitter::Run& run, const JitterSummary& summary,
     write("--cyclictest", cyclictest(channels));
   }
   if (!options.plot_file.empty()) {
-    const std::string title = fmt::format("Timing jitter, {:.0f} s at {:g} ms{}", summary.seconds,
-                                          options.period_ms, options.load ? ", loaded" : "");
+    const std::string held = held_back(summary.settings.value_or(JitterSettings{}));
+    const std::string title =
+        fmt::format("Timing jitter, {:.0f} s at {:g} ms{}{}", summary.seconds, options.period_ms,
+                    options.load ? ", loaded" : "", held.empty() ? "" : ", " + held);
     const auto drawing = picture(jitter_plot({summary}, title), options.plot_file);
     if (drawing) write("--plot", *drawing);
     if (!drawing && saved) saved = drawing.failure();
@@ -235,10 +237,21 @@ int run_jitter(const JitterOptions& options) {
     print_error(failure.message);
     return kFailure;
   };
+  if (options.cpu && !jitter::may_run_on(*options.cpu)) {
+    return fail(
+        {fmt::format("--cpu {}: this process may not run there; see which CPUs it may use: "
+                     "taskset -cp $$",
+                     *options.cpu)});
+  }
   Outputs outputs;
   if (const auto done = open_outputs(options, outputs); !done) return fail(done.failure());
   jitter::RunRequest request{.channels = options.channels, .settings = settings(options)};
   request.rounds = rounds(options, request.settings);
+  const JitterSettings measured_with{.cpu = request.settings.cpu,
+                                     .source_cpu = request.settings.source_cpu,
+                                     .warm_up = options.warm_up,
+                                     .hold_every = options.hold_every,
+                                     .hold_ms = options.hold_ms};
   request.held = {.every = options.hold_every,
                   .by = rt::Duration{std::llround(options.hold_ms * 1e6)}};
   Load load;
@@ -262,6 +275,7 @@ int run_jitter(const JitterOptions& options) {
   JitterSummary summary = summarise(**run, signal ? Care::hurried : Care::full);
   summary.link = robot->link;
   summary.seconds = seconds;
+  summary.settings = measured_with;
   summary.load = options.load ? "stress-ng --cpu 0" : "";
   summary.conditions = jitter::look_at_conditions();
   summary.usage = used;
@@ -304,12 +318,10 @@ int run_compare(const std::vector<std::string>& files, const std::string& plot_f
 void add_compare(CLI::App& jitter, Action& chosen) {
   CLI::App* command = jitter.add_subcommand(
       "compare",
-      "Put results side by side, each against the first: the ratios of the figures shown, with 95 "
-      "% "
-      "confidence\nintervals if there are enough data for one. Ratios whose intervals do not "
+      "Put results side by side, each against the first: the ratios of the figures shown, with "
+      "95 % confidence\nintervals if there are enough data for one. Ratios whose intervals do not "
       "contain 1 differ by more than chance.\nSays what else was different: kernel, load, "
-      "governor, "
-      "processor.");
+      "governor, processor and more.");
   auto files = std::make_shared<std::vector<std::string>>();
   auto plot = std::make_shared<std::string>();
   command->add_option("FILE", *files, "Results written by --json")->required()->expected(2, 16);

@@ -16,6 +16,13 @@ std::string_view name(Stage stage) {
   return "";
 }
 
+bool may_run_on(int cpu) {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  return cpu >= 0 && cpu < CPU_SETSIZE && sched_getaffinity(0, sizeof allowed, &allowed) == 0 &&
+         CPU_ISSET(static_cast<unsigned>(cpu), &allowed);
+}
+
 void choose_processors(Settings& settings) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);

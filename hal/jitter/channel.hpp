@@ -101,6 +101,9 @@ class Recorder {
   std::int64_t last_ns_ = 0;
 };
 
+// Whether the kernel lets this process run on that processor.
+bool may_run_on(int cpu);
+
 // Fills in the processors that are not set: the last that this process may use for the measured
 // thread, the first other one for the far end.
 void choose_processors(Settings& settings);

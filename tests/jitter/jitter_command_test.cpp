@@ -199,7 +199,7 @@ TEST(JitterCommand, ComparesWhatItShows) {
   EXPECT_EQ(command.exit_code(), 0) << command.err();
   EXPECT_NEAR(ratio_in(command.out(), "p50 x "), 31.3 / 24.1, 0.0006);
   EXPECT_NEAR(ratio_in(command.out(), "p99 x "), 1196.0 / 1097.7, 0.0006);
-  EXPECT_THAT(command.out(), HasSubstr("[none]: fewer than 30 slices"));
+  EXPECT_THAT(command.out(), HasSubstr("\n[none] at p99: fewer than 30 slices (pipe "));
   EXPECT_THAT(command.out(), Not(HasSubstr("Different")));
   EXPECT_THAT(contents(folder.path("both.svg")), HasSubstr("a.json"));
 }
@@ -215,13 +215,17 @@ TEST(JitterCommand, SaysInWhichConditionsResultsDiffer) {
   conditions.at("processor") = "Cortex-A53";
   conditions.at("load") = 3.5;
   result.at("load") = "stress-ng --cpu 0";
+  result.at("settings") = {
+      {"cpu", 7}, {"source_cpu", nullptr}, {"warm_up", 51}, {"hold_every", 10}, {"hold_ms", 20.0}};
   write_file(folder.path("b.json"), result.dump());
   Command command{{"jitter", "compare", folder.path("a.json"), folder.path("b.json")}};
   EXPECT_EQ(command.exit_code(), 0) << command.err();
   for (const char* said :
        {"Different: kernel: ", "6.1.0-rt in ", "Different: governor: ", "powersave in ",
         "Different: processor: ", "Cortex-A53 in ", "Different: load asked for: none in ",
-        "stress-ng --cpu 0 in ", "Different: load average: 0.10 in ", "3.50 in "})
+        "stress-ng --cpu 0 in ", "Different: load average: 0.10 in ", "3.50 in ",
+        "Different: CPU: ", "7, far end any in ", "Different: warm-up: 50 frames in ",
+        "Different: on purpose: none in ", "1 frame in 10 held back for 20 ms in "})
     EXPECT_THAT(command.out(), HasSubstr(said));
 }
 
@@ -231,11 +235,31 @@ TEST(JitterCommand, ReadsResultsOfTheFirstFormat) {
   json result = measured({"--channels", "pipe", "--frames", "500"});
   write_file(folder.path("new.json"), result.dump());
   result.at("cargobay_jitter") = 1;
+  result.erase("settings");
   result.at("channels").at(0).erase("confidence");
   write_file(folder.path("old.json"), result.dump());
   Command command{{"jitter", "compare", folder.path("old.json"), folder.path("new.json")}};
   EXPECT_EQ(command.exit_code(), 0) << command.err();
   EXPECT_THAT(command.out(), AllOf(HasSubstr("[none]"), HasSubstr("Different: correction: ")));
+}
+
+// What it takes to have intervals, of the channels whose ratios are shown. A frame of the robot
+// takes as long as 15 others: its p99 would need half an hour.
+TEST(JitterCommand, SaysHowLongToMeasureForIntervals) {
+  Command command{{"jitter", "--channels", "robot,loop,echo", "--duration", "1", "--hold-every",
+                   "10", "--hold", "0.1"}};
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  const std::string out = command.out();
+  EXPECT_THAT(out, HasSubstr(", 1 frame in 10 held back for 0.1 ms, "));
+  for (const char* percentile : {"p50", "p99"}) {
+    const std::string begins = std::string{"\n[none] at "} + percentile +
+                               ": fewer than 30 slices (loop, echo); try --duration ";
+    const std::size_t at = out.find(begins);
+    ASSERT_NE(at, std::string::npos) << out;
+    const double seconds = std::stod(out.substr(at + begins.size()));
+    EXPECT_GE(seconds, 45.0) << "30 slices of three channels, 0.55 s each";
+    EXPECT_LE(seconds, 600.0);
+  }
 }
 
 struct Wrong {
@@ -259,6 +283,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{"Channel", {"jitter", "--channels", "tea"}, 2, "tea"},
         Wrong{"Period", {"jitter", "--period", "0.2"}, 2, "0.2"},
+        Wrong{"NoSuchCpu", {"jitter", "--cpu", "999"}, 1, "taskset -cp $$"},
         Wrong{"Folder", {"jitter", "--json", "/nosuch/file"}, 1, "/nosuch/file"},
         Wrong{"Port", {"jitter", "--port", "/dev/nosuch", "--channels", "robot"}, 1, "/dev/nosuch"},
         Wrong{"NoFile", {"jitter", "compare", "/nosuch.json", "/nosuch.json"}, 1, "cannot read"},

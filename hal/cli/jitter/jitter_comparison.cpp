@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,6 +28,20 @@ std::string periods(const JitterSummary& run) {
     if (channel.name != "robot" && all.empty()) all = fmt::format("{:g} ms", ms);
   }
   return or_none(all);
+}
+
+std::string cpus(const JitterSettings& settings) {
+  const auto named = [](const std::optional<int>& cpu) {
+    return cpu ? std::to_string(*cpu) : std::string{"any"};
+  };
+  return fmt::format("{}, far end {}", named(settings.cpu), named(settings.source_cpu));
+}
+
+// Of a setting, in words.
+Condition set(const char* name, std::function<std::string(const JitterSettings&)> value) {
+  return {name, [value = std::move(value)](const JitterSummary& run) {
+            return run.settings ? or_none(value(*run.settings)) : std::string{"unknown"};
+          }};
 }
 
 const std::vector<Condition>& conditions() {
@@ -53,6 +68,9 @@ const std::vector<Condition>& conditions() {
       {"memory",
        [](const JitterSummary& run) { return run.memory_locked ? "locked" : "not locked"; }},
       {"period", periods},
+      set("CPU", cpus),
+      set("warm-up", [](const JitterSettings& it) { return fmt::format("{} frames", it.warm_up); }),
+      set("on purpose", held_back),
       {"robot", [](const JitterSummary& run) { return or_none(run.link); }},
       {"correction",
        [](const JitterSummary& run) {
@@ -109,7 +127,7 @@ void put_row(std::string& out, std::size_t names, const JitterSummary& run,
   out += '\n';
 }
 
-// A channel that only one of them has, or that measures something else there.
+// Channels that only one of them has.
 void put_unmatched(std::string& out, const JitterSummary& first, const JitterSummary& other) {
   const auto only = [&out](const JitterSummary& in, const JitterSummary& not_in) {
     for (const ChannelSummary& channel : in.channels) {
@@ -119,6 +137,18 @@ void put_unmatched(std::string& out, const JitterSummary& first, const JitterSum
   };
   only(first, other);
   only(other, first);
+}
+
+// The channels of the first that another has as well.
+std::vector<std::string> compared(const std::vector<JitterSummary>& all) {
+  std::vector<std::string> names;
+  for (const ChannelSummary& channel : all.front().channels) {
+    const bool elsewhere = std::any_of(
+        std::next(all.begin()), all.end(),
+        [&channel](const JitterSummary& run) { return run.channel(channel.name) != nullptr; });
+    if (elsewhere) names.push_back(channel.name);
+  }
+  return names;
 }
 
 }  // namespace
@@ -137,7 +167,7 @@ std::string comparison(const std::vector<JitterSummary>& all) {
       if (same != nullptr) put_row(out, names, *other, *same, &channel);
     }
   }
-  out += lacks(all);
+  out += lacks(all, compared(all));
   for (const JitterSummary& run : all) {
     fmt::format_to(std::back_inserter(out), "{}: {}, Linux {}, preemption {}, {}\n", run.label,
                    run.conditions.processor, run.conditions.kernel, run.conditions.preemption,

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -41,26 +44,39 @@ double enough_s(const JitterSummary& run, const ChannelSummary& channel, Lack la
   return std::ceil(1.05 * times * run.seconds);
 }
 
+// Channels that lack the same for the same percentile; those of one period need as long.
+struct Key {
+  Lack lack;
+  double percent;
+  std::uint64_t period_ns;
+  auto operator<=>(const Key&) const = default;
+};
 struct Found {
   std::vector<std::string> where{};
   double seconds = 0.0;
 };
 
-Found find(std::span<const JitterSummary> runs, Lack lack) {
-  Found found;
+std::map<Key, Found> find(std::span<const JitterSummary> runs,
+                          std::span<const std::string> channels) {
+  std::map<Key, Found> all;
   for (const JitterSummary& run : runs) {
     for (const ChannelSummary& channel : run.channels) {
-      if (channel.frames == 0) continue;
+      if (channel.frames == 0 || std::ranges::count(channels, channel.name) == 0) continue;
       for (const auto& [estimate, percent] :
            {std::pair{&channel.p50, 50.0}, {&channel.p99, 99.0}}) {
-        if (estimate->interval || estimate->lack != lack) continue;
-        found.where.push_back(fmt::format("{}{} p{:g}", channel.name,
-                                          run.label.empty() ? "" : " " + run.label, percent));
-        found.seconds = std::max(found.seconds, enough_s(run, channel, lack, percent));
+        if (estimate->interval) continue;
+        Found& found = all[{estimate->lack, percent, channel.period_ns}];
+        found.where.push_back(run.label.empty() ? channel.name : channel.name + " " + run.label);
+        found.seconds = std::max(found.seconds, enough_s(run, channel, estimate->lack, percent));
       }
     }
   }
-  return found;
+  return all;
+}
+
+std::string words(Lack lack) {
+  const auto* const found = std::ranges::find(kReasons, lack, &Reason::lack);
+  return found == kReasons.end() ? "it is not known why" : found->words;
 }
 
 }  // namespace
@@ -71,11 +87,9 @@ std::string ratio_text(const Estimate& ratio) {
                      ratio.interval->high);
 }
 
-std::string lacks(std::span<const JitterSummary> runs) {
+std::string lacks(std::span<const JitterSummary> runs, std::span<const std::string> channels) {
   std::string out;
-  for (const Reason& reason : kReasons) {
-    const Found found = find(runs, reason.lack);
-    if (found.where.empty()) continue;
+  for (const auto& [key, found] : find(runs, channels)) {
     constexpr std::size_t kNamed = 2;
     const std::size_t named = std::min(found.where.size(), kNamed);
     std::string where = fmt::format(
@@ -83,7 +97,7 @@ std::string lacks(std::span<const JitterSummary> runs) {
                         found.where.begin() + static_cast<std::ptrdiff_t>(named), ", "));
     if (named < found.where.size())
       where += fmt::format(" and {} more", found.where.size() - named);
-    out += fmt::format("[none]: {} ({}){}\n", reason.words, where,
+    out += fmt::format("[none] at p{:g}: {} ({}){}\n", key.percent, words(key.lack), where,
                        found.seconds > 0.0 ? fmt::format("; try --duration {:.0f}", found.seconds)
                                            : std::string{});
   }

@@ -11,8 +11,8 @@ namespace cargobay::cli {
 // "1.074 [1.038, 1.110]", or "1.074 [none]".
 std::string ratio_text(const hal::jitter::Estimate& ratio);
 
-// A line for each reason why some ratio of these runs has no interval: which, and what would give
-// it one. Nothing if all have one.
-std::string lacks(std::span<const JitterSummary> runs);
+// Why figures of these channels, and so their ratios, have no interval: a line for each reason and
+// percentile, with the duration that would give them one. Nothing if all have one.
+std::string lacks(std::span<const JitterSummary> runs, std::span<const std::string> channels);
 
 }  // namespace cargobay::cli

@@ -133,6 +133,26 @@ hal::jitter::Usage usage(const json& in) {
           .major_faults = in.at("major_faults")};
 }
 
+json of(const std::optional<int>& number) { return number ? json(*number) : json{}; }
+std::optional<int> number(const json& in) {
+  return in.is_null() ? std::optional<int>{} : in.get<int>();
+}
+
+json of(const JitterSettings& settings) {
+  return {{"cpu", of(settings.cpu)},
+          {"source_cpu", of(settings.source_cpu)},
+          {"warm_up", settings.warm_up},
+          {"hold_every", settings.hold_every},
+          {"hold_ms", settings.hold_ms}};
+}
+JitterSettings settings(const json& in) {
+  return {.cpu = number(in.at("cpu")),
+          .source_cpu = number(in.at("source_cpu")),
+          .warm_up = in.at("warm_up"),
+          .hold_every = in.at("hold_every"),
+          .hold_ms = in.at("hold_ms")};
+}
+
 }  // namespace
 
 std::string json(const JitterSummary& summary) {
@@ -153,6 +173,7 @@ std::string json(const JitterSummary& summary) {
       {"priority", summary.priority},
       {"memory_locked", summary.memory_locked},
       {"load", summary.load},
+      {"settings", summary.settings ? of(*summary.settings) : nlohmann::json{}},
       {"conditions", of(summary.conditions)},
       {"usage", of(summary.usage)},
       {"channels", channels},
@@ -178,6 +199,7 @@ hal::Result<JitterSummary> read_jitter(const std::string& text, const std::strin
                           .load = in.at("load"),
                           .conditions = conditions(in.at("conditions")),
                           .usage = usage(in.at("usage"))};
+    if (format > 1) summary.settings = settings(in.at("settings"));
     for (const nlohmann::json& each : in.at("channels"))
       summary.channels.push_back(channel(each, format));
     return summary;

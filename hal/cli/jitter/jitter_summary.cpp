@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace cargobay::cli {
 namespace {
 
@@ -27,10 +29,11 @@ std::vector<std::pair<std::uint64_t, std::uint64_t>> buckets(const rt::Histogram
                                                              std::uint64_t least) {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> all;
   histogram.visit([&all, least](std::uint64_t value, std::uint64_t count) {
-    if (value < least && !all.empty()) {
+    const std::uint64_t shown = std::max(value, least);
+    if (!all.empty() && all.back().first == shown) {
       all.back().second += count;
     } else {
-      all.push_back({std::max(value, least), count});
+      all.push_back({shown, count});
     }
   });
   return all;
@@ -95,6 +98,11 @@ ChannelSummary summarise(const Measured& measured, Care care) {
 const ChannelSummary* JitterSummary::channel(std::string_view name) const {
   const auto found = std::ranges::find(channels, name, &ChannelSummary::name);
   return found == channels.end() ? nullptr : &*found;
+}
+
+std::string held_back(const JitterSettings& settings) {
+  if (settings.hold_every == 0) return {};
+  return fmt::format("1 frame in {} held back for {:g} ms", settings.hold_every, settings.hold_ms);
 }
 
 JitterSummary summarise(const hal::jitter::Run& run, Care care) {

@@ -1,7 +1,9 @@
 // The results of a run of `cargobay jitter`, as they are printed, written, and read back.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,6 +52,15 @@ struct RatioSummary {
   hal::jitter::Estimate p99{};
 };
 
+// How it was measured.
+struct JitterSettings {
+  std::optional<int> cpu{};         // of the measured thread; none if it could migrate
+  std::optional<int> source_cpu{};  // of the far end
+  std::size_t warm_up = 0;          // frames of each slice that were not counted
+  std::size_t hold_every = 0;       // every Nth frame was held back; 0: none
+  double hold_ms = 0.0;
+};
+
 // Of the JSON. Format 1 counted waits below one period that nobody had, and had no intervals.
 inline constexpr int kJitterFormat = 2;
 
@@ -61,7 +72,8 @@ struct JitterSummary {
   bool fifo = false;
   int priority = 0;
   bool memory_locked = false;
-  std::string load{};  // as requested; empty for none
+  std::string load{};                        // as requested; empty for none
+  std::optional<JitterSettings> settings{};  // none of format 1
   hal::jitter::Conditions conditions{};
   hal::jitter::Usage usage{};
   std::vector<ChannelSummary> channels{};
@@ -69,6 +81,9 @@ struct JitterSummary {
 
   const ChannelSummary* channel(std::string_view name) const;
 };
+
+// "1 frame in 10 held back for 20 ms", or nothing.
+std::string held_back(const JitterSettings& settings);
 
 // full: takes a second for each million frames at worst. hurried, when a user waits for the end: a
 // channel of more than a million frames has no intervals, and percentiles to 0.8 %.

@@ -7,6 +7,8 @@
 #include <clocale>
 #include <cmath>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -62,8 +64,10 @@ std::string histogram(const ChannelSummary& channel, const Decades& range, Bars 
 
 void put_headline(std::string& out, const JitterSummary& summary) {
   const auto to_out = std::back_inserter(out);
-  fmt::format_to(to_out, "Timing jitter, {:.1f} s{}, ", summary.seconds,
-                 summary.load.empty() ? "" : ", load " + summary.load);
+  const std::string held = summary.settings ? held_back(*summary.settings) : std::string{};
+  fmt::format_to(to_out, "Timing jitter, {:.1f} s{}{}, ", summary.seconds,
+                 summary.load.empty() ? "" : ", load " + summary.load,
+                 held.empty() ? "" : ", " + held);
   if (summary.fifo) {
     fmt::format_to(to_out, "SCHED_FIFO priority {}, memory {}locked\n", summary.priority,
                    summary.memory_locked ? "" : "not ");
@@ -115,7 +119,12 @@ void put_ratios(std::string& out, const JitterSummary& summary) {
                    ratio_text(ratio.p50), ratio_text(ratio.p99),
                    same ? "  the same thing twice: the noise" : "");
   }
-  out += lacks({&summary, 1});
+  std::vector<std::string> channels;
+  for (const RatioSummary& ratio : summary.ratios) {
+    channels.push_back(ratio.over);
+    channels.push_back(ratio.under);
+  }
+  out += lacks({&summary, 1}, channels);
 }
 
 void put_conditions(std::string& out, const JitterSummary& summary) {
