@@ -83,7 +83,7 @@ class ReadSchedule {
   int moving_ = 0;       // ticks
   int resting_ = 0;      // ticks, up to rest_ticks
   int steady_ = 0;       // ticks, up to twice window_ticks
-  int doubtful_ = 0;     // ticks in a row, as many as count
+  int doubtful_ = 0;     // ticks of motion in doubt, until one is not; stops do not count
   int since_turn_ = 0;   // ticks since the angle was last asked for
 };
 
