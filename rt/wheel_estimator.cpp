@@ -173,8 +173,9 @@ void WheelEstimator::step(const WheelSpeeds& command, const Reading& reading) CA
                              : Seen::How::impossible,
            .distance_ticks = distance_.ticks,
            .turn_ticks = turn_.ticks,
-           .strange = (reading.distance_mm && strange(Axis::distance, *reading.distance_mm)) ||
-                      (reading.angle_deg && strange(Axis::turn, *reading.angle_deg))};
+           .strange =
+               !unsure && ((reading.distance_mm && strange(Axis::distance, *reading.distance_mm)) ||
+                           (reading.angle_deg && strange(Axis::turn, *reading.angle_deg)))};
   if (!believed) doubt_next_reading(reading.axes());
   Evidence evidence;
   if (reading.distance_mm) evidence = read(Axis::distance, *reading.distance_mm);

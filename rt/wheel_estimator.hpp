@@ -72,7 +72,7 @@ class WheelEstimator {
     How how = How::none;
     int distance_ticks = 0;  // since its last reading
     int turn_ticks = 0;
-    bool strange = false;  // far from what was foreseen, by a part of the way of the wheels
+    bool strange = false;  // not unsure, and a part of the wheels' way off what was foreseen
   };
 
   explicit WheelEstimator(const Parameters& parameters);

@@ -201,6 +201,24 @@ TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromAFrameThatComesAfterAll) 
   EXPECT_NEAR(estimator.speeds().left_mm_s, drive.estimator().speeds().left_mm_s, 2.0);
 }
 
+// Of a counter that stands; but after a lost frame it may be that one which took the steps.
+TEST_P(WheelEstimatorOfBothKinds, FindsStrangeOnlyWhatItKnowsTheTimeOf) {
+  Drive drive{{.remainder = GetParam()}, {.remainder = GetParam()}};
+  drive.run({200, 200}, 400);
+  WheelEstimator estimator = drive.estimator();
+  for (int tick = 0; tick < 12; ++tick) estimator.step({200, 200}, {});
+  WheelEstimator healthy = estimator;
+  const int foreseen = static_cast<int>(std::lround(healthy.unread_distance().steps));
+  healthy.step({200, 200}, WheelEstimator::Reading{.distance_mm = foreseen});
+  EXPECT_FALSE(healthy.seen().strange);
+  WheelEstimator unsure = estimator;
+  unsure.step_lost({200, 200}, kBothAxes);
+  unsure.step({200, 200}, WheelEstimator::Reading{.distance_mm = 0});
+  EXPECT_FALSE(unsure.seen().strange);
+  estimator.step({200, 200}, WheelEstimator::Reading{.distance_mm = 0});
+  EXPECT_TRUE(estimator.seen().strange);
+}
+
 TEST_P(WheelEstimatorOfBothKinds, DrawsNoConclusionFromACommandOfUnknownTime) {
   Drive drive{{.remainder = GetParam()}};
   drive.run({200.0, -200.0}, 200);
