@@ -1,5 +1,7 @@
 // `cargobay sim`: virtual Creates on pseudo-terminals, for any Open Interface client.
 
+#include <strings.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -62,8 +64,11 @@ int fail(const std::string& message) {
 // The path of the robot with that index, if there are several: PATH.0, and FILE.0.svg.
 std::string numbered(const std::string& path, std::size_t index, std::size_t count) {
   if (path.empty() || count == 1) return path;
-  const bool drawing = path.ends_with(".svg") || path.ends_with(".png");
-  const std::size_t stem = path.size() - (drawing ? 4 : 0);
+  constexpr std::size_t kEnding = 4;  // .svg or .png, in any case
+  const std::size_t dot = path.size() - std::min(path.size(), kEnding);
+  const char* const ending = path.c_str() + dot;
+  const bool drawing = strcasecmp(ending, ".svg") == 0 || strcasecmp(ending, ".png") == 0;
+  const std::size_t stem = drawing ? dot : path.size();
   return fmt::format("{}.{}{}", path.substr(0, stem), index, path.substr(stem));
 }
 

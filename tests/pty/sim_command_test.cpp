@@ -119,7 +119,7 @@ TEST(SimCommand, IsControlledThroughItsSocket) {
 TEST(SimCommand, ServesSeveralEachWithItsOwnNumber) {
   const TemporaryFolder folder;
   Command command{{"sim", "--count", "3", "--link", folder.path("create"), "--control",
-                   folder.path("control"), "--trace", folder.path("way.svg")}};
+                   folder.path("control"), "--trace", folder.path("way.SVG")}};
   ASSERT_TRUE(eventually([&] {
     return !command.running() || std::ranges::count(command.out(), '\n') == 3;
   })) << command.err();
@@ -135,7 +135,7 @@ TEST(SimCommand, ServesSeveralEachWithItsOwnNumber) {
   }
   command.send(SIGINT);
   EXPECT_EQ(command.exit_code(), 0);
-  for (const char* drawing : {"way.0.svg", "way.1.svg", "way.2.svg"})
+  for (const char* drawing : {"way.0.SVG", "way.1.SVG", "way.2.SVG"})
     EXPECT_TRUE(contents(folder.path(drawing)).starts_with("<svg ")) << drawing;
 }
 
