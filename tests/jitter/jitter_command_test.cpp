@@ -2,6 +2,8 @@
 // they claim.
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -202,6 +204,45 @@ TEST(JitterCommand, ComparesWhatItShows) {
   EXPECT_THAT(command.out(), HasSubstr("\n[none] at p99: fewer than 30 slices (pipe "));
   EXPECT_THAT(command.out(), Not(HasSubstr("Different")));
   EXPECT_THAT(contents(folder.path("both.svg")), HasSubstr("a.json"));
+}
+
+// Of the channel pipe in a table, in microseconds.
+struct Row {
+  double p50 = 0.0;
+  double p99 = 0.0;
+};
+Row row_in(const std::string& table) {
+  const std::string begins = "\npipe   frame to answer written ";
+  const std::size_t at = table.find(begins);
+  EXPECT_NE(at, std::string::npos) << table;
+  std::istringstream figures{table.substr(std::min(at, table.size() - 1) + begins.size())};
+  double frames = 0.0;
+  double missed = 0.0;
+  double least = 0.0;
+  Row row;
+  EXPECT_TRUE(figures >> frames >> missed >> least >> row.p50 >> row.p99) << table;
+  return row;
+}
+
+// Figures are rounded to 0.1 us, ratios to 0.001.
+void expect_ratio(double found, double over, double under) {
+  EXPECT_GE(found, (over - 0.05) / (under + 0.05) - 0.0006);
+  EXPECT_LE(found, (over + 0.05) / (under - 0.05) + 0.0006);
+}
+
+TEST(JitterCommand, ComparesTwoRunsAsTheirTablesDo) {
+  const TemporaryFolder folder;
+  std::array<Row, 2> rows{};
+  for (std::size_t run = 0; run < rows.size(); ++run) {
+    Command command{{"jitter", "--channels", "pipe", "--frames", "600", "--json",
+                     folder.path(std::to_string(run))}};
+    ASSERT_EQ(command.exit_code(), 0) << command.err();
+    rows[run] = row_in(command.out());
+  }
+  Command command{{"jitter", "compare", folder.path("0"), folder.path("1")}};
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  expect_ratio(ratio_in(command.out(), "p50 x "), rows[1].p50, rows[0].p50);
+  expect_ratio(ratio_in(command.out(), "p99 x "), rows[1].p99, rows[0].p99);
 }
 
 TEST(JitterCommand, SaysInWhichConditionsResultsDiffer) {
