@@ -353,7 +353,9 @@ void add_jitter(CLI::App& app, Action& chosen) {
       ->delimiter(',')
       ->check(CLI::IsMember(
           std::vector<std::string>{jitter::kChannelNames.begin(), jitter::kChannelNames.end()}));
-  command->add_option("--duration", options->duration_s, "Seconds for all channels together")
+  command
+      ->add_option("--duration", options->duration_s,
+                   "Seconds for all channels together; ratios need about 140 for intervals")
       ->check(in_range(1.0, 86400.0))
       ->capture_default_str();
   command
