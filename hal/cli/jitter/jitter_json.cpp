@@ -199,7 +199,8 @@ hal::Result<JitterSummary> read_jitter(const std::string& text, const std::strin
                           .load = in.at("load"),
                           .conditions = conditions(in.at("conditions")),
                           .usage = usage(in.at("usage"))};
-    if (format > 1) summary.settings = settings(in.at("settings"));
+    if (in.contains("settings") && !in["settings"].is_null())
+      summary.settings = settings(in["settings"]);
     for (const nlohmann::json& each : in.at("channels"))
       summary.channels.push_back(channel(each, format));
     return summary;

@@ -73,7 +73,7 @@ struct JitterSummary {
   int priority = 0;
   bool memory_locked = false;
   std::string load{};                        // as requested; empty for none
-  std::optional<JitterSettings> settings{};  // none of format 1
+  std::optional<JitterSettings> settings{};  // none of older versions
   hal::jitter::Conditions conditions{};
   hal::jitter::Usage usage{};
   std::vector<ChannelSummary> channels{};
