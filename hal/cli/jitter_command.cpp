@@ -208,9 +208,9 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   robot.plant = std::move(*plant);
   request.server = robot.plant.server();
   request.bring_up.pins = robot.plant.pins();
-  robot.link =
-      fmt::format("{}{} at {} baud{}", request.server ? "virtual Create on " : "", robot.plant.port,
-                  *config->baud, request.server ? ", frames every 15 ms" : "");
+  // A virtual Create has another terminal each time, which makes no difference.
+  robot.link = fmt::format("{} at {} baud{}", request.server ? "virtual Create" : robot.plant.port,
+                           *config->baud, request.server ? ", frames every 15 ms" : "");
   auto stream = open_for_use(robot.plant.port, *config->baud);
   if (!stream) return stream.failure();
   request.robot = std::move(*stream);
