@@ -324,7 +324,7 @@ TEST(EncodeText, SuggestsACommand) {
            {"show_scripts", "show_script"}}) {
     EXPECT_EQ(error_of(word), unknown(word) + "; did you mean '" + meant + "'?");
   }
-  for (const std::string_view word : {"xyzzy", "a", "-200:", "fly_to_the_moon"})
+  for (const std::string_view word : {"xyzzy", "a", "-x200", "fly_to_the_moon"})
     EXPECT_EQ(error_of(word), unknown(word));
   EXPECT_EQ(error_of(std::string(100, 'x')), unknown(std::string(40, 'x') + "..."));
   EXPECT_EQ(error_of("\x01\xff\x7f"), unknown("???"));
