@@ -67,8 +67,8 @@ std::vector<std::uint8_t> receive(ByteStream& stream, std::size_t count, rt::Dur
   return received;
 }
 
-// What comes back from Pause Stream: the rest of a stream; or the command itself, as from a loopback
-// plug or a console, where the beginning of a question would be taken for its answer.
+// What comes back from Pause Stream: the rest of a stream; or the command itself, as from a
+// loopback plug or a console, where the beginning of a question would be taken for its answer.
 enum class PauseHeard : std::uint8_t { nothing, stream, echo };
 
 PauseHeard pause_stream(ByteStream& stream) {

@@ -22,8 +22,9 @@ struct SendOptions {
 using Sent = hal::Result<std::optional<int>>;
 
 // Sends the commands, one at least. A failure is returned after the clean-up that it needs: the
-// wheels have been stopped, or the message says that they could not be. Its code is Trouble::silent
-// if nothing answers and nothing was told to move. All are borrowed for the call. Waits for replies, for a script that waits, and while the wheels may turn.
+// wheels have been stopped, or the message says that they could not be. Its code is
+// Trouble::silent if nothing answers and nothing was told to move. All are borrowed for the call.
+// Waits for replies, for a script that waits, and while the wheels may turn.
 Sent send_commands(hal::ByteStream& port, hal::Duty& duty, StopSignals& signals,
                    const SendOptions& options, const std::vector<PlannedCommand>& commands);
 
