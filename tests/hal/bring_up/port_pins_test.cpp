@@ -1,5 +1,6 @@
 // BRC and the power toggle on RTS and DTR of a USB cable, in virtual time.
 #include <algorithm>
+#include <chrono>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "hal/sim/robot/device.hpp"
 #include "hal/stream/forwarding_stream.hpp"
 #include "hal/trouble.hpp"
+#include "rt/unchecked.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -103,16 +105,24 @@ class Crosstalk final : public ForwardingStream {
   }
   Transfer read(std::span<std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
     if (picked_up_.empty()) return stream().read(bytes);
-    const std::size_t count = std::min(bytes.size(), picked_up_.size());
-    const auto end = picked_up_.begin() + static_cast<std::ptrdiff_t>(count);
-    std::copy(picked_up_.begin(), end, bytes.begin());
-    picked_up_.erase(picked_up_.begin(), end);
-    return {.count = count};
+    return rt::unchecked([&] {
+      const std::size_t count = std::min(bytes.size(), picked_up_.size());
+      const auto end = picked_up_.begin() + static_cast<std::ptrdiff_t>(count);
+      std::copy(picked_up_.begin(), end, bytes.begin());
+      picked_up_.erase(picked_up_.begin(), end);
+      return Transfer{.count = count};
+    });
   }
   Transfer write(std::span<const std::uint8_t> bytes) CARGOBAY_NONBLOCKING override {
-    if (robot_.power() == sim::Power::off)
-      picked_up_.insert(picked_up_.end(), bytes.begin(), bytes.end());
+    rt::unchecked([&] {
+      if (robot_.power() == sim::Power::off)
+        picked_up_.insert(picked_up_.end(), bytes.begin(), bytes.end());
+    });
     return stream().write(bytes);
+  }
+  void discard_input() override {
+    picked_up_.clear();
+    stream().discard_input();
   }
 
  private:
@@ -124,6 +134,8 @@ TEST_F(PortPins, AnEchoDoesNotKeepARobotFromBeingSwitchedOn) {
   device_.press_power();  // off
   wire(Polarity::direct);
   ASSERT_FALSE(link_.set_baud(57600));
+  link_.sleep(std::chrono::seconds{2});
+  link_.discard_input();  // what it said when it was switched off would name it
   Crosstalk line{link_, device_};
   const auto lines = open_pins({.power_toggle = on("dtr")});
   ASSERT_TRUE(lines);
