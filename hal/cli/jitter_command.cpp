@@ -331,6 +331,18 @@ void add_compare(CLI::App& jitter, Action& chosen) {
       [files, plot, &chosen] { chosen = [files, plot] { return run_compare(*files, *plot); }; });
 }
 
+void add_outputs(CLI::App& command, JitterOptions& options) {
+  command.add_option("--json", options.json_file,
+                     "Write everything to this file; - for standard output");
+  command.add_option("--hgrm", options.hgrm_prefix,
+                     "Write HdrHistogram percentiles to PREFIX-<channel>.hgrm, microseconds");
+  command.add_option("--cyclictest", options.cyclictest_file,
+                     "Write a histogram as cyclictest -h --histfile does; its threads are the "
+                     "channels, in the order of the table");
+  command.add_option("--plot", options.plot_file,
+                     "Draw percentile curves and histograms: SVG, or PNG if the name ends in .png");
+}
+
 }  // namespace
 
 void add_jitter(CLI::App& app, Action& chosen) {
@@ -380,16 +392,7 @@ void add_jitter(CLI::App& app, Action& chosen) {
       ->add_option("--hold", options->hold_ms, "Milliseconds for which such a frame is held back")
       ->check(in_range(0.1, 1000.0))
       ->capture_default_str();
-  command->add_option("--json", options->json_file,
-                      "Write everything to this file; - for standard output");
-  command->add_option("--hgrm", options->hgrm_prefix,
-                      "Write HdrHistogram percentiles to PREFIX-<channel>.hgrm, microseconds");
-  command->add_option("--cyclictest", options->cyclictest_file,
-                      "Write a histogram as cyclictest -h --histfile does; its threads are the "
-                      "channels, in the order of the table");
-  command->add_option(
-      "--plot", options->plot_file,
-      "Draw percentile curves and histograms: SVG, or PNG if the name ends in .png");
+  add_outputs(*command, *options);
   add_compare(*command, chosen);
   command->callback([options, command, &chosen] {
     if (command->get_subcommands().empty()) chosen = [options] { return run_jitter(*options); };

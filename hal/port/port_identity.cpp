@@ -91,8 +91,7 @@ constexpr const char* kPlugIn = "; plug in the robot's, or start again with this
 // Of a link that is gone, or leads nowhere.
 Failure lost_link(const PortIdentity& identity,
                   const std::function<std::vector<PortInfo>()>& ports) {
-  const Failure gone{identity.path + " is not there",
-                     std::make_error_code(std::errc::no_such_device)};
+  Failure gone{identity.path + " is not there", std::make_error_code(std::errc::no_such_device)};
   if (identity.linked.empty() || !exists(identity.linked)) return gone;
   const std::vector<PortInfo> all = ports();
   const auto there = std::ranges::find(all, identity.linked, &PortInfo::path);
@@ -107,8 +106,7 @@ Failure lost_link(const PortIdentity& identity,
 
 Result<std::string> find_port(const PortIdentity& identity,
                               const std::function<std::vector<PortInfo>()>& ports) {
-  const Failure gone{identity.path + " is not there",
-                     std::make_error_code(std::errc::no_such_device)};
+  Failure gone{identity.path + " is not there", std::make_error_code(std::errc::no_such_device)};
   const bool is_there = exists(identity.path);
   if (identity.kind != PortIdentity::Kind::usb) {
     if (!is_there) return lost_link(identity, ports);

@@ -158,7 +158,7 @@ std::string_view command_advice(std::string_view word, std::string_view next) {
   std::array<char, 40> both{};  // longer than any word in the table
   const bool fits = !next.empty() && word.size() + next.size() <= both.size();
   if (fits) {
-    const auto end =
+    auto* const end =
         std::copy(next.begin(), next.end(), std::copy(word.begin(), word.end(), both.begin()));
     const std::string_view joined{both.data(), static_cast<std::size_t>(end - both.begin())};
     if (const std::string_view advice = listed_advice(joined); !advice.empty()) return advice;

@@ -76,8 +76,9 @@ TEST(GoneOutput, EndsWhatWaitsForStandardInput) {
   for (const std::string name : {"encode", "decode", "decode --binary -"}) {
     const std::string status = folder.path("status");
     const std::string says = folder.path("says");
-    const Shell shell{"sleep 60 | { " CARGOBAY_BINARY_DIR "/cargobay " + name + " 2> " + says +
-                      "; echo $? > " + status + "; } | true"};
+    std::string line = "sleep 60 | { " CARGOBAY_BINARY_DIR "/cargobay ";
+    line.append(name).append(" 2> ").append(says).append("; echo $? > ").append(status);
+    const Shell shell{line.append("; } | true")};
     EXPECT_TRUE(eventually([&] { return contents(status) == "1\n"; })) << name;
     EXPECT_THAT(contents(says), testing::HasSubstr("nothing reads standard output any more"));
     std::filesystem::remove(status);

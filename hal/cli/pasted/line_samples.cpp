@@ -52,7 +52,7 @@ std::optional<double> samples_a_second(std::string_view text) {
   const std::optional<double> number = real_number(text.substr(0, unit));
   if (!number || !(*number > 0.0)) return std::nullopt;
   const std::string_view name = trimmed(text.substr(unit));
-  if (name.empty() || name == "Hz") return *number;
+  if (name.empty() || name == "Hz") return number;
   if (name == "kHz") return *number * 1e3;
   if (name == "MHz") return *number * 1e6;
   if (name == "GHz") return *number * 1e9;
