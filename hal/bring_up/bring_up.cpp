@@ -381,7 +381,7 @@ Failure BringUp::failure() {
   // One that never answered has been told nothing that moves it: it is as it was found.
   const bool as_found = !heard && trouble_ == BringUpTrouble::cancelled;
   Parting left = as_found ? Parting::standing : farewell(stream_);
-  if (!heard && probe_.heard_strangers_text()) left = Parting::standing;  // it is no robot
+  if (!heard && probe_.heard_strangers_text()) left = Parting::standing;  // not a robot
   if (request_.left != nullptr) *request_.left = left;
   probe_.set_port(wanted_);
   return explain(why);

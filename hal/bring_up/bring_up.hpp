@@ -63,7 +63,7 @@ struct BringUpReport {
 // if something else is known to be at the other end: a login prompt, a GPS receiver; or its own
 // echo, if the power toggle does not end that. After a failure the robot has been told to stop and
 // go Passive, unless it was cancelled before the robot ever answered: then it is as it was found.
-// What is known to be no robot counts as left standing. The failure says at which step it ended,
+// What is known not to be a robot counts as left standing. The failure says at which step it ended,
 // what was heard, and what to check.
 Result<BringUpReport> bring_up(ByteStream& stream, const BringUpRequest& request);
 

@@ -21,6 +21,7 @@ void add_ports(CLI::App& app, Action& chosen);
 void add_pins(CLI::App& app, Action& chosen);
 void add_doctor(CLI::App& app, Action& chosen);
 void add_jitter(CLI::App& app, Action& chosen);
+void add_jitter_compare(CLI::App& jitter, Action& chosen);
 void add_budget(CLI::App& app, Action& chosen);
 void add_sensors(CLI::App& app, Action& chosen);
 void add_encode(CLI::App& app, Action& chosen);
