@@ -72,7 +72,7 @@ class WheelEstimator {
     How how = How::none;
     int distance_ticks = 0;  // since its last reading
     int turn_ticks = 0;
-    bool strange = false;  // not unsure, and a part of the wheels' way off what was foreseen
+    bool strange = false;  // where the remainder is lost: a part of the wheels' way is off
   };
 
   explicit WheelEstimator(const Parameters& parameters);

@@ -30,9 +30,10 @@ bool WheelEstimator::surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING
   return off.mm > 8.0 * off.sd_mm + 0.5 * off.foreseen_mm + 3.0 * off.step_mm;
 }
 
-// Whether it is less than that far, but as far as a wheel makes it that stands or counts half.
+// Whether it is less than that far, but as far as a wheel makes it that stands or counts half. A
+// robot that carries the remainder is read every tick anyway, so nobody needs to know.
 bool WheelEstimator::strange(Axis axis, int count) const CARGOBAY_NONBLOCKING {
-  if (!bank_.steady() || !sure()) return false;
+  if (belief_ != RemainderBelief::lost || !sure() || !bank_.steady()) return false;
   const Miss off = miss(axis, count == 0 ? 0.0 : count + std::copysign(0.5, count));
   const WheelSpeeds now = speeds();
   const double mean_mm =
