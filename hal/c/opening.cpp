@@ -256,15 +256,15 @@ int Opening::take_sim(const cargobay_options& options) {
 }
 
 int Opening::take_plant(const hal::Config& config) {
-  auto found = hal::find_plant(config, {}, hal::below_loop(wanted.realtime.priority));
+  auto found = hal::choose_robot(config, {}, hal::below_loop(wanted.realtime.priority));
   if (!found) {
     if (config.port.empty()) return fail(CARGOBAY_E_LIMIT, found.failure());
     const int code = found.failure().code.value();
     return fail(code == EACCES || code == EPERM ? CARGOBAY_E_ACCESS : CARGOBAY_E_PIN,
                 found.failure());
   }
-  plant = std::move(*found);
-  wanted.pins = plant.pins();
+  chosen = std::move(*found);
+  wanted.pins = chosen.pins();
   return CARGOBAY_OK;
 }
 
@@ -277,7 +277,7 @@ int Opening::open_stream(std::unique_ptr<hal::ByteStream>& stream) {
     stream = std::make_unique<hal::SpacedStream>(link);  // the virtual Create still owns the link
     return CARGOBAY_OK;
   }
-  auto opened = hal::open_port(sim ? sim->server->path() : plant.port, baud);
+  auto opened = hal::open_port(sim ? sim->server->path() : chosen.port, baud);
   if (!opened) return fail(code_of_port(opened.failure().code), opened.failure());
   stream = std::move(opened->stream);
   return CARGOBAY_OK;

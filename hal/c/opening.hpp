@@ -10,7 +10,7 @@
 #include "hal/file/output_file.hpp"
 #include "hal/result.hpp"
 #include "hal/robot/robot.hpp"
-#include "hal/sim/remote/plant.hpp"
+#include "hal/sim/remote/chosen_robot.hpp"
 #include "hal/stream/byte_stream.hpp"
 
 namespace cargobay::c {
@@ -22,8 +22,8 @@ struct Opening {
   // Opens the line to the robot.
   int open_stream(std::unique_ptr<hal::ByteStream>& stream);
 
-  SimUse sim{};        // the program's virtual Create that is the robot, if any
-  hal::Plant plant{};  // otherwise
+  SimUse sim{};               // the program's virtual Create that is the robot, if any
+  hal::ChosenRobot chosen{};  // otherwise
   hal::RobotOptions wanted{};
   std::uint32_t baud = 0;
   bool virtual_time = false;

@@ -78,10 +78,10 @@ int bring_up(const BringupOptions& options) {
   auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
   if (options.builtin) config->port.clear();
-  const auto plant = find_plant(*config, options.pins, {}, 0);
-  if (!plant) return fail(plant.failure());
-  BringUpRecord record{.port = plant->port,
-                       .robot = plant->create ? "virtual Create" : "robot",
+  const auto chosen = choose_robot(*config, options.pins, {}, 0);
+  if (!chosen) return fail(chosen.failure());
+  BringUpRecord record{.port = chosen->port,
+                       .robot = chosen->create ? "virtual Create" : "robot",
                        .baud = *config->baud};
   auto stream = open_for_use(record.port, record.baud);
   if (!stream) return fail(stream.failure());
@@ -93,7 +93,7 @@ int bring_up(const BringupOptions& options) {
   hal::Parting left = hal::Parting::unconfirmed;
   const auto result = hal::bring_up(**stream, {.mode = mode,
                                                .packets = kPackets,
-                                               .pins = plant->pins(),
+                                               .pins = chosen->pins(),
                                                .progress =
                                                    [&](const hal::BringUpEvent& event) {
                                                      record.steps.push_back(event);

@@ -178,16 +178,16 @@ std::optional<int> warn(const CalibrateOptions& options, StopSignals& signals) {
 // Brings the robot up, drives and measures. Nothing if a signal ended it; `signal` is then set.
 hal::Result<std::optional<hal::CalibrationResult>> measure(const CalibrateOptions& options,
                                                            const hal::Config& config,
-                                                           const hal::Plant& plant,
+                                                           const hal::ChosenRobot& chosen,
                                                            StopSignals& signals,
                                                            std::optional<int>& signal) {
-  auto stream = open_for_use(plant.port, *config.baud);
+  auto stream = open_for_use(chosen.port, *config.baud);
   if (!stream) return stream.failure();
   hal::RobotOptions wanted;
   hal::apply(config, wanted.cycle);
   hal::Calibration::prepare(wanted.cycle);
   wanted.realtime = {.priority = config.priority.value_or(kPriority), .cpu = config.cpu};
-  wanted.pins = plant.pins();
+  wanted.pins = chosen.pins();
   wanted.learnt = learnt_place(options.learnt, config);
   wanted.cancelled = [&] {
     if (!signal) signal = signals.wait(rt::Duration::zero());
@@ -232,17 +232,17 @@ int calibrate(const CalibrateOptions& given) {
     print_remark(options.write_file + " is not there yet: it will be made, with the wheel base");
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
-  const auto plant = find_plant(*config, options.pins, parameters(options.sim),
-                                hal::below_loop(config->priority.value_or(kPriority)));
-  if (!plant) return fail(plant.failure());
+  const auto chosen = choose_robot(*config, options.pins, parameters(options.sim),
+                                   hal::below_loop(config->priority.value_or(kPriority)));
+  if (!chosen) return fail(chosen.failure());
   std::optional<int> signal;
-  if (plant->server() == nullptr) {
+  if (chosen->server() == nullptr) {
     signal = warn(options, signals);
   } else {
-    schedule(options.sim, *plant->server());
+    schedule(options.sim, *chosen->server());
   }
   if (signal) return kSignalled + *signal;
-  const auto measured = measure(options, *config, *plant, signals, signal);
+  const auto measured = measure(options, *config, *chosen, signals, signal);
   if (!measured) return fail(measured.failure());
   if (signal) return kSignalled + *signal;
   if (const auto done = report(options, **measured, outputs); !done) return fail(done.failure());

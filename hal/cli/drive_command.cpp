@@ -280,11 +280,12 @@ DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& sample
 // How to find a lost port again. Without an identity the port is not sought: it was not asked for,
 // or the robot is a virtual Create of our own, which stays.
 hal::Result<hal::ReconnectRequest> reconnect_request(const DriveOptions& options,
-                                                     const hal::Plant& plant, std::uint32_t baud,
+                                                     const hal::ChosenRobot& chosen,
+                                                     std::uint32_t baud,
                                                      const hal::RobotOptions& robot) {
   hal::ReconnectRequest request{.baud = baud, .robot = robot};
-  if (options.reconnect.empty() || plant.create) return request;
-  auto identity = hal::identify(plant.port, hal::serial_ports());
+  if (options.reconnect.empty() || chosen.create) return request;
+  auto identity = hal::identify(chosen.port, hal::serial_ports());
   if (!identity) return identity.failure();
   request.port = std::move(*identity);
   request.tell = [](const std::string& what) { print_remark(what); };
@@ -326,25 +327,26 @@ int drive(const DriveOptions& options) {
   if (!config) return fail(config.failure());
   if (options.builtin) config->port.clear();
   hal::RobotOptions wanted = robot_options(options, *config);
-  const auto plant = find_plant(*config, options.pins, parameters(options.sim),
-                                hal::below_loop(wanted.realtime.priority));  // outlives the robot
-  if (!plant) return fail(plant.failure());
-  wanted.pins = plant->pins();
+  const auto chosen =
+      choose_robot(*config, options.pins, parameters(options.sim),
+                   hal::below_loop(wanted.realtime.priority));  // outlives the robot
+  if (!chosen) return fail(chosen.failure());
+  wanted.pins = chosen->pins();
   wanted.learnt = learnt_place(options.learnt, *config);
-  hal::sim::Server* const server = plant->server();
+  hal::sim::Server* const server = chosen->server();
   if (server != nullptr) schedule(options.sim, *server);
   std::optional<int> early_signal;
   wanted.cancelled = [&] {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
     return early_signal.has_value();
   };
-  const auto again = reconnect_request(options, *plant, *config->baud, wanted);
+  const auto again = reconnect_request(options, *chosen, *config->baud, wanted);
   if (!again) return fail(again.failure());
-  auto stream = open_for_use(plant->port, *config->baud);
+  auto stream = open_for_use(chosen->port, *config->baud);
   if (!stream) return fail(stream.failure());
   if (server != nullptr && options.json_file != "-")
-    fmt::print("Driving a virtual Create on {}\n", plant->port);
-  const std::vector<hal::Finding> findings = examine(plant->port, wanted.realtime);
+    fmt::print("Driving a virtual Create on {}\n", chosen->port);
+  const std::vector<hal::Finding> findings = examine(chosen->port, wanted.realtime);
   hal::KworkerBoost boost{hal::kworker_priority(wanted.realtime.priority)};  // to the very end
   if (options.boost_kworkers) {
     if (const auto done = boost_kworkers(boost, wanted); !done) return fail(done.failure());
@@ -359,7 +361,7 @@ int drive(const DriveOptions& options) {
   if (!ending->not_kept.empty()) print_remark(ending->not_kept);
   const std::vector<DriveSample> samples = driving.links().samples();
   DriveReport report = report_of(driving, samples);
-  report.port = plant->port;
+  report.port = chosen->port;
   report.robot = server != nullptr ? "virtual Create" : "robot";
   report.baud = *config->baud;
   report.open_loop = options.open_loop;

@@ -190,7 +190,7 @@ hal::Result<void> measure(jitter::Run& run, StopSignals& signals, std::optional<
 }
 
 struct Robot {
-  hal::Plant plant{};
+  hal::ChosenRobot chosen{};
   std::string link{};
 };
 
@@ -201,15 +201,15 @@ hal::Result<Robot> find_robot(const JitterOptions& options, jitter::RunRequest& 
   if (!config) return config.failure();
   if (config->port.empty()) config->baud = oi::kCreate.default_baud;
   // Above the loop's: what the virtual Create does late would be taken for the loop's lateness.
-  auto plant = hal::find_plant(*config, {}, options.priority + 5);
-  if (!plant) return plant.failure();
-  robot.plant = std::move(*plant);
-  request.server = robot.plant.server();
-  request.bring_up.pins = robot.plant.pins();
+  auto chosen = hal::choose_robot(*config, {}, options.priority + 5);
+  if (!chosen) return chosen.failure();
+  robot.chosen = std::move(*chosen);
+  request.server = robot.chosen.server();
+  request.bring_up.pins = robot.chosen.pins();
   // A virtual Create has another terminal each time, which makes no difference.
-  robot.link = fmt::format("{} at {} baud{}", request.server ? "virtual Create" : robot.plant.port,
+  robot.link = fmt::format("{} at {} baud{}", request.server ? "virtual Create" : robot.chosen.port,
                            *config->baud, request.server ? ", frames every 15 ms" : "");
-  auto stream = open_for_use(robot.plant.port, *config->baud);
+  auto stream = open_for_use(robot.chosen.port, *config->baud);
   if (!stream) return stream.failure();
   request.robot = std::move(*stream);
   return robot;

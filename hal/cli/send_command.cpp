@@ -113,9 +113,9 @@ int send(const CLI::App& command, const Options& options) {
   }
   if (const auto refused = objection(commands, std::nullopt, *config->baud))
     return fail({*refused});
-  const auto plant = find_plain_robot(*config);  // outlives the port
-  if (!plant) return fail(plant.failure());
-  auto port = open_plain(*plant, *config->baud);
+  const auto chosen = find_plain_robot(*config);  // outlives the port
+  if (!chosen) return fail(chosen.failure());
+  auto port = open_plain(*chosen, *config->baud);
   if (!port) return fail(port.failure());
   if (commands.empty()) return report(listen_only(**port, signals, *options.listen_s));
   // Without a guard the wheels would keep turning for ever if this program were killed.

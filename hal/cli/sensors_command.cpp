@@ -176,11 +176,11 @@ int sensors(const SensorsOptions& options) {
   if (!packets) return fail(packets.failure());
   const auto config = configuration(options.connection);
   if (!config) return fail(config.failure());
-  const auto plant = find_plain_robot(*config);  // outlives the port
-  if (!plant) return fail(plant.failure());
-  auto port = open_plain(*plant, *config->baud);
+  const auto chosen = find_plain_robot(*config);  // outlives the port
+  if (!chosen) return fail(chosen.failure());
+  auto port = open_plain(*chosen, *config->baud);
   if (!port) return fail(port.failure());
-  const std::string name = (plant->create ? "virtual Create on " : "") + plant->port;
+  const std::string name = (chosen->create ? "virtual Create on " : "") + chosen->port;
   // If this program is killed, the stream is still stopped and the port restored.
   auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
   if (!duty) return fail(duty.failure());

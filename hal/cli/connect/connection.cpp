@@ -113,25 +113,25 @@ void protect_config(const PortOptions& port, Outputs& outputs) {
     outputs.protect("the configuration", file);
 }
 
-hal::Result<hal::Plant> find_plain_robot(const hal::Config& config) {
+hal::Result<hal::ChosenRobot> find_plain_robot(const hal::Config& config) {
   hal::Config plain;
   plain.port = config.port;
   // GPIO lines are left alone, but opening the port moves its own.
   if (config.pins.brc.modem_line()) plain.pins.brc = config.pins.brc;
   if (config.pins.power_toggle.modem_line()) plain.pins.power_toggle = config.pins.power_toggle;
-  auto plant = hal::find_plant(plain, {.boot_baud = *config.baud}, 0);
-  if (plant && plant->create) {
-    print_remark("no port is given: this is a virtual Create of its own, on " + plant->port +
+  auto chosen = hal::choose_robot(plain, {.boot_baud = *config.baud}, 0);
+  if (chosen && chosen->create) {
+    print_remark("no port is given: this is a virtual Create of its own, on " + chosen->port +
                  "; list the ports with: cargobay ports");
   }
-  return plant;
+  return chosen;
 }
 
-hal::Result<hal::Plant> find_plant(const hal::Config& config, const PinOptions& pins,
-                                   const hal::sim::Parameters& robot, int create_priority) {
+hal::Result<hal::ChosenRobot> choose_robot(const hal::Config& config, const PinOptions& pins,
+                                           const hal::sim::Parameters& robot, int create_priority) {
   if (config.port.empty() && pins.any_line())
     return hal::Failure{"the pins of a robot need its --port"};
-  return hal::find_plant(config, robot, create_priority);
+  return hal::choose_robot(config, robot, create_priority);
 }
 
 }  // namespace cargobay::cli

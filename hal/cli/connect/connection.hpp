@@ -11,7 +11,7 @@
 #include "hal/learnt/learnt_place.hpp"
 #include "hal/result.hpp"
 #include "hal/sim/parameters.hpp"
-#include "hal/sim/remote/plant.hpp"
+#include "hal/sim/remote/chosen_robot.hpp"
 
 namespace CLI {
 class App;
@@ -69,10 +69,10 @@ void protect_config(const PortOptions& port, Outputs& outputs);
 
 // For a command that talks to a robot as it is: the one at the port, no pin of which is touched; or
 // a virtual Create that listens at the configured rate, which a remark says.
-hal::Result<hal::Plant> find_plain_robot(const hal::Config& config);
+hal::Result<hal::ChosenRobot> find_plain_robot(const hal::Config& config);
 
-// As hal::find_plant(); options for pins without a port are a failure.
-hal::Result<hal::Plant> find_plant(const hal::Config& config, const PinOptions& pins,
-                                   const hal::sim::Parameters& robot, int create_priority);
+// As hal::choose_robot(); options for pins without a port are a failure.
+hal::Result<hal::ChosenRobot> choose_robot(const hal::Config& config, const PinOptions& pins,
+                                           const hal::sim::Parameters& robot, int create_priority);
 
 }  // namespace cargobay::cli

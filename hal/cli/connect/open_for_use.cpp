@@ -32,11 +32,11 @@ hal::Result<std::unique_ptr<hal::ByteStream>> open_for_use(const std::string& pa
   return std::move(port->stream);
 }
 
-hal::Result<std::unique_ptr<hal::ByteStream>> open_plain(const hal::Plant& plant,
+hal::Result<std::unique_ptr<hal::ByteStream>> open_plain(const hal::ChosenRobot& chosen,
                                                          std::uint32_t baud) {
-  auto port = open_for_use(plant.port, baud);
+  auto port = open_for_use(chosen.port, baud);
   // Of a port that has neither line, nothing hangs on one.
-  if (port) (void)hal::BoundPins{plant.pins(), **port}.release();
+  if (port) (void)hal::BoundPins{chosen.pins(), **port}.release();
   return port;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "hal/result.hpp"
-#include "hal/sim/remote/plant.hpp"
+#include "hal/sim/remote/chosen_robot.hpp"
 #include "hal/stream/byte_stream.hpp"
 
 namespace cargobay::cli {
@@ -17,7 +17,7 @@ hal::Result<std::unique_ptr<hal::ByteStream>> open_for_use(const std::string& pa
 
 // The same for a robot that is not brought up. Pins on RTS and DTR are brought to rest: they would
 // stay as opening the port left them, and closing it would be an edge at the power toggle.
-hal::Result<std::unique_ptr<hal::ByteStream>> open_plain(const hal::Plant& plant,
+hal::Result<std::unique_ptr<hal::ByteStream>> open_plain(const hal::ChosenRobot& chosen,
                                                          std::uint32_t baud);
 
 }  // namespace cargobay::cli

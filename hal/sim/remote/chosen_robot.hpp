@@ -14,7 +14,7 @@
 
 namespace cargobay::hal {
 
-struct Plant {
+struct ChosenRobot {
   std::string port{};  // to be opened at the configuration's rate
   std::unique_ptr<sim::VirtualCreate> create{};
   OpenPins lines{};
@@ -31,6 +31,7 @@ constexpr int below_loop(int loop_priority) { return loop_priority > 10 ? loop_p
 
 // A virtual Create like `robot` if the configuration names no port. Blocks for some ms; allocates;
 // after a failure no line is held and nothing runs.
-Result<Plant> find_plant(const Config& config, const sim::Parameters& robot, int create_priority);
+Result<ChosenRobot> choose_robot(const Config& config, const sim::Parameters& robot,
+                                 int create_priority);
 
 }  // namespace cargobay::hal
