@@ -182,7 +182,8 @@ int sensors(const SensorsOptions& options) {
   if (!port) return fail(port.failure());
   const std::string name = (chosen->create ? "virtual Create on " : "") + chosen->port;
   // If this program is killed, the stream is still stopped and the port restored.
-  auto duty = hal::Duty::begin(**port, {}, kSensorsPriority);
+  constexpr auto kMoves = hal::GuardOptions::Moves::nothing;
+  auto duty = hal::Duty::begin(**port, {.moves = kMoves}, kSensorsPriority);
   if (!duty) return fail(duty.failure());
   // A live table needs a terminal that can show one; elsewhere one reading makes more sense.
   const bool live = options.as_json || (stdout_is_terminal() && terminal_moves_cursor());

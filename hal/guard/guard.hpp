@@ -36,6 +36,11 @@ struct GuardOptions {
   // loop itself wakes only every 15 to 20 ms. The default is how long the loop waits for a silent
   // robot.
   rt::Duration deadline = std::chrono::milliseconds{150};
+  // `nothing`: the owner tells the robot nothing that moves it, and does not drive. The guard then
+  // looks after it every 200 ms instead of every 20; it still learns of its death at once, unless a
+  // forked child of the owner keeps the owner's descriptors.
+  enum class Moves : std::uint8_t { anything, nothing };
+  Moves moves = Moves::anything;
   std::string program{};  // as for guard_program() (hal/guard/guard_program.hpp)
 };
 
@@ -92,10 +97,12 @@ class Guard {
   bool beats() const;
   void wait_until_done() const;
   void collect();
+  void wake() const;
 
   GuardBlock* block_;  // a mapping of its own, which forked children do not get
   pid_t process_ = -1;
-  PortDescriptor owner_{};  // the owner's end of the pipe that ends with this program
+  PortDescriptor owner_{};    // the owner's end of the pipe that ends with this program
+  PortDescriptor watched_{};  // the guard's end: a write after the guard's death is not a SIGPIPE
 };
 
 }  // namespace cargobay::hal

@@ -19,8 +19,11 @@ namespace cargobay::hal {
 // the backlog is dropped.
 inline constexpr int kMostBacklog = 64;
 
-// How often the guard shows that it lives.
+// How often the guard shows that it lives, and looks after its owner.
 inline constexpr std::chrono::milliseconds kGuardBeat{20};
+// The same while an owner that tells nothing to move is not driving. Shorter than the silence after
+// which the owner gives the guard up.
+inline constexpr std::chrono::milliseconds kIdleGuardBeat{200};
 
 // Who has the robot. The only way out of `taken` is `released`, the end.
 enum class GuardState : std::uint32_t {
@@ -36,10 +39,10 @@ enum class GuardState : std::uint32_t {
 
 struct GuardBlock {
   // Changes with every change to this structure.
-  static constexpr std::uint64_t kVersion = 0x63617267'6f626106;
+  static constexpr std::uint64_t kVersion = 0x63617267'6f626107;
   // The descriptors that the guard finds open. The last is the reading end of a pipe whose other
   // end only the owner has: it closes when the owner dies, or becomes another program through
-  // execve(2).
+  // execve(2). A byte in it wakes the guard, which looks at the state.
   static constexpr int kPort = 3;
   static constexpr int kBlock = 4;
   static constexpr int kOwner = 5;
@@ -51,6 +54,7 @@ struct GuardBlock {
   termios found{};                  // how the port was found, and is to be left
   std::uint32_t found_baud = 0;     // 0 if it is in `found`
   std::uint32_t wanted_baud = 0;    // that the bring-up brings the robot to
+  std::int64_t idle_beat_ns = 0;    // while the owner is not driving
   std::atomic<bool> driven{false};  // brought up by then, and at the port's rate
 
   // Robust and shared between processes. Held by the control thread while it drives: when that
@@ -66,7 +70,7 @@ struct GuardBlock {
   // Written by the guard.
   std::atomic<bool> ready{false};
   std::atomic<bool> done{false};                       // with a robot that it took
-  std::atomic<std::int64_t> guard_beat_ns{0};          // CLOCK_MONOTONIC, every kGuardBeat at least
+  std::atomic<std::int64_t> guard_beat_ns{0};          // CLOCK_MONOTONIC, once a beat at least
   std::atomic<Parting> parting{Parting::unconfirmed};  // once it has taken the robot
 };
 static_assert(std::atomic<GuardState>::is_always_lock_free);

@@ -42,11 +42,16 @@ constexpr milliseconds kLongestLeave{3000};  // the owner's own takes 2 s at mos
 constexpr int kNotByHand = 2;
 constexpr int kOtherVersion = 3;
 
-// Sleeps until the next beat, or until the owner is gone: dead, or replaced by another program.
-bool owner_goes(const GuardBlock& block) {
-  pollfd owner{.fd = GuardBlock::kOwner, .events = 0, .revents = 0};
-  const int ended = poll(&owner, 1, static_cast<int>(kGuardBeat.count()));
-  return ended > 0 || getppid() != block.owner;
+// Sleeps until the next beat, until the owner wakes the guard, or until the owner is gone: dead, or
+// replaced by another program.
+bool owner_goes(const GuardBlock& block, milliseconds beat) {
+  pollfd owner{.fd = GuardBlock::kOwner, .events = POLLIN, .revents = 0};
+  const int woken = poll(&owner, 1, static_cast<int>(beat.count()));
+  if (woken > 0 && owner.revents != POLLIN) return true;
+  std::array<std::uint8_t, 16> calls{};
+  while (woken > 0 && read(GuardBlock::kOwner, calls.data(), calls.size()) > 0) {
+  }
+  return getppid() != block.owner;
 }
 
 // Null if this program was not started by the library of its own version.
@@ -104,7 +109,7 @@ GuardFinding watch(GuardBlock& block) {
       case 0: pthread_mutex_unlock(&block.alive); return GuardFinding::nothing;
       case EOWNERDEAD: return GuardFinding::owner_died;
       case ETIMEDOUT: break;
-      default: (void)owner_goes(block);  // the beats continue
+      default: (void)owner_goes(block, kGuardBeat);  // the beats continue
     }
     const rt::TimePoint beat{rt::Duration{block.beat_ns.load(std::memory_order_relaxed)}};
     if (rt::Clock::now() >= beat + rt::Duration{block.deadline_ns}) return GuardFinding::owner_hung;
@@ -114,9 +119,11 @@ GuardFinding watch(GuardBlock& block) {
 // Before and after the drive the owner is an ordinary program: check on it now and then.
 GuardFinding wait_for_change(GuardBlock& block, GuardState state) {
   const rt::TimePoint limit = rt::Clock::now() + kLongestLeave;
+  const bool idle = state == GuardState::standing_by || state == GuardState::left;
+  const auto idle_beat = std::chrono::duration_cast<milliseconds>(rt::Duration{block.idle_beat_ns});
   while (block.state.load(std::memory_order_acquire) == state) {
     beat(block);
-    if (owner_goes(block)) return GuardFinding::owner_died;
+    if (owner_goes(block, idle ? idle_beat : kGuardBeat)) return GuardFinding::owner_died;
     const bool leaves = state == GuardState::leaving || state == GuardState::guard_lost;
     if (leaves && rt::Clock::now() >= limit) return GuardFinding::owner_hung;
   }

@@ -134,6 +134,31 @@ TEST_F(GuardTest, StopsARobotThatMissedTheFirstStop) {
   EXPECT_TRUE(is_stopped());
 }
 
+// Only the guard itself can make this count larger.
+TEST_F(GuardTest, SeldomWakesForAnOwnerThatMovesNothing) {
+  const auto stream = hal::open_pty(port_, 57600);
+  ASSERT_TRUE(stream) << stream.failure().message;
+  const auto guard = hal::Guard::start((*stream)->terminal(),
+                                       {.moves = hal::GuardOptions::Moves::nothing}, 0, 57600);
+  ASSERT_TRUE(guard) << guard.failure().message;
+  const std::string children =
+      contents("/proc/self/task/" + std::to_string(gettid()) + "/children");
+  const std::string status = "/proc/" + children.substr(0, children.find(' ')) + "/status";
+  const auto sleeps = [&status] {
+    constexpr std::string_view kKey = "\nvoluntary_ctxt_switches:";
+    const std::string text = contents(status);
+    return std::strtol(text.c_str() + text.find(kKey) + kKey.size(), nullptr, 10);
+  };
+  const long before = sleeps();
+  const rt::TimePoint began = rt::Clock::now();
+  const rt::Duration start = server_->snapshot().time;
+  ASSERT_TRUE(
+      eventually([&] { return server_->snapshot().time > start + std::chrono::seconds{1}; }));
+  const long after = sleeps();
+  EXPECT_LE(after - before, 5 + (rt::Clock::now() - began) / std::chrono::milliseconds{100});
+  EXPECT_GE(after - before, 2) << "it does look after it";
+}
+
 TEST_F(GuardTest, TakesNothingFromAThreadThatLeaves) {
   const auto stream = open_and_move();
   const auto guard = guard_over(*stream);

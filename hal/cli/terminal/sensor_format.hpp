@@ -14,7 +14,7 @@ namespace cargobay::cli {
 std::vector<oi::PacketId> singles(const std::vector<oi::PacketId>& packets);
 // `16254 mV`, `3 (left, right)`, `safe`.
 std::string text(oi::PacketId packet, const oi::SensorValues& values);
-// When a reading was taken, and what its distance and angle add up to.
+// When a reading was taken, neither time before 0, and what its distance and angle add up to.
 struct ReadingContext {
   double unix_time_s = 0.0;  // by the system's clock, which may be set meanwhile
   double time_s = 0.0;       // since the first reading, by one that cannot
