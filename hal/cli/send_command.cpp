@@ -16,6 +16,7 @@
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/send/listening.hpp"
 #include "hal/cli/send/send_plan.hpp"
 #include "hal/cli/send/sending.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
@@ -148,8 +149,9 @@ void add_send(CLI::App& app, Action& chosen) {
       "Without --port, to a virtual Create of its own, which is off at first.");
   take_operands(
       *command, "TEXT...",
-      "commands as for `cargobay encode`; `stop` stops the wheels (drive_direct 0 0). Without "
-      "TEXT, or\nwith '-': standard input. With --listen and nothing to send: only listen.");
+      "commands as for `cargobay encode`; `stop` stops the wheels in any mode: by drive_direct 0 "
+      "0, or in\nPassive, where only a demo turns them, by ending that. Without TEXT, or with '-': "
+      "standard input.\nWith --listen and nothing to send: only listen.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--listen", options->listen_s,

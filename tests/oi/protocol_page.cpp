@@ -66,7 +66,7 @@ every frame and believes nothing else. No command leads to Off; Cargobay leaves 
 "Safe" in the column *from* means that Off and Passive ignore the command. Arguments stand in the
 order of the wire; the text form has `drive_direct LEFT RIGHT` and `pwm_low_side_drivers` for the
 drivers 0, 1, 2. What is outside a range is refused, never clamped. The word `stop` is
-`drive_direct 0 0`.
+`drive_direct 0 0`; `cargobay send` also ends a demo for it, which Drive Direct does not.
 
 )";
 

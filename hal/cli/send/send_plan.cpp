@@ -101,6 +101,10 @@ std::string too_many_packets(const oi::Stream& stream, std::uint32_t baud) {
 
 }  // namespace
 
+bool stops_wheels(const PlannedCommand& command) {
+  return !command.is_raw() && turns_wheels(command) == false;
+}
+
 std::vector<PlannedCommand> divide(std::span<const std::uint8_t> bytes) {
   std::vector<PlannedCommand> commands;
   while (!bytes.empty()) {
@@ -195,13 +199,7 @@ std::optional<std::string> objection(const std::vector<PlannedCommand>& commands
           "stopped; write: script {{ ... {} ... }}; play_script",
           command.info->key, command.info->key);
     }
-    if (known && robot.mode() == oi::Mode::passive && turns_wheels(command) == false) {
-      return fmt::format(
-          "the robot is in passive mode and would ignore {}, a stop of the wheels: nothing but a "
-          "demo moves it now, and this ends one: demo abort",
-          command.info->key);
-    }
-    if (known && !command.info->available_in(robot.mode())) {
+    if (known && !stops_wheels(command) && !command.info->available_in(robot.mode())) {
       return fmt::format("the robot is in {} mode and would ignore {}; put '{};' before it",
                          oi::name(robot.mode()), command.info->key,
                          robot.mode() == oi::Mode::off ? "start" : "safe");

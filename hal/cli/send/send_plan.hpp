@@ -23,6 +23,9 @@ struct PlannedCommand {
   bool is_raw() const { return info == nullptr; }
 };
 
+// Whether it tells the wheels to stand still. Everyone may, in any mode: it is never refused.
+bool stops_wheels(const PlannedCommand& command);
+
 // Divides the bytes of encode_or_explain() as the robot does. Raw bytes next to each other are one,
 // except for the opcodes of extensions.
 std::vector<PlannedCommand> divide(std::span<const std::uint8_t> bytes);

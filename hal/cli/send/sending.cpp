@@ -41,10 +41,14 @@ rt::Duration seconds(double count) {
   return std::chrono::duration_cast<rt::Duration>(std::chrono::duration<double>{count});
 }
 
-hal::Failure no_answer(std::uint32_t baud, bool begins_with_start) {
+hal::Failure no_answer(std::uint32_t baud, bool begins_with_start, bool stops = false) {
+  const std::string_view more =
+      stops ? ". It was told to stop all the same; if it moves, press its power button"
+      : begins_with_start ? ""
+                          : ". If it is off, begin with: start";
   return {fmt::format("the robot does not answer at {} baud; is it switched on and connected, and "
                       "is this its baud rate? `cargobay bringup` finds it at any{}",
-                      baud, begins_with_start ? "" : ". If it is off, begin with: start"),
+                      baud, more),
           hal::Trouble::silent};
 }
 
@@ -94,9 +98,10 @@ class Sending {
     const bool raw = commands.front().is_raw();
     const bool starts = !raw && std::holds_alternative<oi::Start>(commands.front().command);
     if (!starts && !raw) {
-      const std::optional<oi::Mode> mode = ask_mode();
+      std::optional<oi::Mode> mode = ask_mode();
       if (talk_.signal()) return {};
-      if (!mode) return no_answer(port_.baud(), false);
+      if (!mode && stops_wheels(commands.front())) mode = stop_unheard();
+      if (!mode) return no_answer(port_.baud(), false, stops_wheels(commands.front()));
       robot_ = Expectation{*mode, port_.baud()};
     }
     const std::optional<oi::Mode> known = raw ? std::nullopt : std::optional{robot_.mode()};
@@ -114,7 +119,24 @@ class Sending {
     robot_.take(command);  // before it is sent: the robot may have heard it even if sending fails
     if (robot_.motion() == Motion::demo) duty_.expect_demo();
     if (command.is_raw()) return send_raw(command.bytes);
+    if (stops_wheels(command) && robot_.mode() == oi::Mode::passive) return end_demo();
     return std::visit([&](const auto& one) { return send(command, one); }, command.command);
+  }
+
+  // In Passive nothing but a demo turns the wheels, and the robot ignores their speeds.
+  hal::Result<void> end_demo() {
+    if (!talk_.send(*oi::encode(oi::Demo{oi::DemoNumber::abort})) ||
+        !talk_.send(*oi::encode(oi::Start{})))
+      return not_sent();
+    if (!talk_.listen(kModeChangeWait)) return hung_up();
+    print_remark("the robot is in passive mode: if it ran a demo, that was ended");
+    return {};
+  }
+
+  // A robot that is not heard may hear, and move. Nothing if it does not answer this either.
+  std::optional<oi::Mode> stop_unheard() {
+    if (hal::farewell(port_, {.demo = true}) != hal::Parting::standing) return std::nullopt;
+    return oi::Mode::passive;
   }
 
   // Whether commands follow the script.
@@ -369,28 +391,6 @@ Sent send_commands(hal::ByteStream& port, hal::Duty& duty, StopSignals& signals,
   Sending sending{port, duty, signals, options};
   if (const auto sent = sending.run(commands); !sent) return sent.failure();
   return sending.signal();
-}
-
-Sent listen_only(hal::ByteStream& port, StopSignals& signals, double listen_s) {
-  Conversation talk{port, signals};
-  talk.show_frames();
-  talk.show_bytes();
-  std::optional<Progress> progress{std::in_place, "listening"};
-  const rt::TimePoint end = port.now() + seconds(listen_s);
-  while (port.now() < end && !talk.signal() && !output_error()) {
-    if (talk.bytes() > 0) progress.reset();
-    if (!talk.listen(std::min<rt::Duration>(kLook, end - port.now())))
-      return hal::Failure{"the port hung up; plug it in and start again"};
-  }
-  progress.reset();
-  talk.end_text();
-  if (talk.bytes() == 0 && !talk.signal()) {
-    print_remark(
-        fmt::format("nothing arrived in {} s at {} baud; a robot sends by itself only "
-                    "while a stream runs, and while it starts or charges",
-                    listen_s, port.baud()));
-  }
-  return talk.signal();
 }
 
 }  // namespace cargobay::cli

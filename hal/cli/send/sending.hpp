@@ -28,7 +28,4 @@ using Sent = hal::Result<std::optional<int>>;
 Sent send_commands(hal::ByteStream& port, hal::Duty& duty, StopSignals& signals,
                    const SendOptions& options, const std::vector<PlannedCommand>& commands);
 
-// Sends nothing. Prints frames, text and all other bytes for `listen_s`, or until a signal.
-Sent listen_only(hal::ByteStream& port, StopSignals& signals, double listen_s);
-
 }  // namespace cargobay::cli

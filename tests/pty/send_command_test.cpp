@@ -1,11 +1,11 @@
-// The commands that talk to a robot, here a virtual one: send, sensors.
+// `cargobay send`: what is sent, and what is shown of the answers.
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <cmath>
+#include <algorithm>
+#include <csignal>
 #include <map>
 #include <sstream>
 #include <string>
@@ -13,73 +13,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/sim/line/server.hpp"
 #include "oi/limits.hpp"
-#include "rt/clock.hpp"
-#include "tests/pty/serial_client.hpp"
-#include "tests/pty/tools_process.hpp"
+#include "robot_tool.hpp"
 
 namespace cargobay::test {
 namespace {
 
 using hal::sim::test::eventually;
 using testing::HasSubstr;
-using testing::MatchesRegex;
 using testing::Not;
 using testing::StartsWith;
 
-using Words = std::vector<std::string>;
-
-int count(const std::string& text, const std::string& what) {
-  int found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
-    ++found;
-  return found;
-}
-
-class RobotTool : public testing::Test {
- protected:
-  RobotTool() {
-    auto server = hal::sim::Server::open({}, {});
-    if (server && !(*server)->start()) server_ = std::move(*server);
-  }
-  void SetUp() override { ASSERT_TRUE(server_); }
-
-  Words with_port(const std::string& tool, const Words& words) const {
-    Words all{tool, "--port", server_->path()};
-    all.insert(all.end(), words.begin(), words.end());
-    return all;
-  }
-  Outcome send(const Words& words) const { return run_tool(with_port("send", words)); }
-  Outcome sensors(const Words& words) const { return run_tool(with_port("sensors", words)); }
-  std::string error_of(const Words& words) const {
-    const Outcome outcome = send(words);
-    EXPECT_EQ(outcome.code, 1);
-    return outcome.error;
-  }
-  // After the pause one frame may still be in flight.
-  bool streams_no_longer() const {
-    const auto frames_later = [this](rt::Duration time) {
-      const rt::Duration now = server_->snapshot().time;
-      EXPECT_TRUE(eventually([&] { return server_->snapshot().time > now + time; }));
-      return server_->snapshot().device.frames_sent;
-    };
-    const std::uint64_t frames = frames_later(std::chrono::milliseconds{100});
-    return frames_later(std::chrono::milliseconds{100}) == frames;
-  }
-  bool turning() const {
-    const hal::sim::Snapshot now = server_->snapshot();
-    return now.commanded.left_mm_s != 0.0 || now.commanded.right_mm_s != 0.0;
-  }
-  bool stopped() const {
-    return eventually([this] { return !turning(); });
-  }
-
-  std::unique_ptr<hal::sim::Server> server_;
-};
-
 class SendTool : public RobotTool {};
-class SensorsTool : public RobotTool {};
 
 TEST_F(SendTool, PrintsReplies) {
   const Outcome outcome = send({"start;", "sensors", "35;", "query_list", "7", "oi_mode"});
@@ -91,6 +36,7 @@ TEST_F(SendTool, PrintsReplies) {
 }
 
 // A lower bound: only the tool itself makes it this slow.
+
 TEST_F(SendTool, AsksNoMoreOftenThanTheRobotTicks) {
   constexpr int kQuestions = 20;
   std::string commands = "start";
@@ -117,128 +63,9 @@ TEST_F(SendTool, SaysWhenThereIsNoRobot) {
   EXPECT_THAT(outcome.error, HasSubstr("cannot open /nowhere/at/all: no such port"));
 }
 
-TEST_F(SendTool, RefusesWhatTheModeDoesNotAllow) {
-  EXPECT_THAT(error_of({"start; drive 100 straight"}),
-              HasSubstr("the robot is in passive mode and would ignore drive; put 'safe;' before "
-                        "it"));
-  EXPECT_EQ(server_->snapshot().device.bytes_received, 0U) << "nothing was sent";
-  EXPECT_EQ(send({"start"}).code, 0);
-  EXPECT_THAT(error_of({"safe; spot; leds none 0 0"}), HasSubstr("would ignore leds"));
-  EXPECT_THAT(error_of({"leds none 0 0"}), HasSubstr("would ignore leds"));
-}
-
-TEST_F(SendTool, RefusesWaitsOutsideScripts) {
-  for (const std::string command :
-       {"wait_time 5", "wait_distance 100", "wait_angle 90", "wait_event bump"}) {
-    EXPECT_THAT(error_of({"start; " + command}),
-                HasSubstr("is for scripts: outside one the robot goes deaf"));
-  }
-  EXPECT_EQ(server_->snapshot().device.bytes_received, 0U);
-}
-
 TEST_F(SendTool, RefusesAStreamThatDoesNotFit) {
   EXPECT_THAT(error_of({"start; baud 19200; stream 6"}),
               HasSubstr("frames of 56 bytes every 15 ms do not fit 19200 baud, which carries 28"));
-}
-
-TEST_F(SendTool, StopsTheWheelsAfterTheDuration) {
-  const Outcome outcome = send({"--duration", "0.2", "start; safe; drive_direct 100 -100"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
-  EXPECT_FALSE(turning());
-  const hal::sim::Snapshot after = server_->snapshot();
-  EXPECT_EQ(after.mode, oi::Mode::passive) << "Safe does not charge";
-  EXPECT_GT(std::abs(after.truth.pose.heading_rad), 0.01) << "they did turn";
-}
-
-TEST_F(SendTool, StopsTheWheelsOnASignal) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    ToolProcess process{with_port("send", {"start; full; drive 200 straight"})};
-    ASSERT_TRUE(eventually([this] { return turning(); }));
-    process.send_signal(signal);
-    const Outcome outcome = process.wait();
-    EXPECT_EQ(outcome.code, 128 + signal);
-    EXPECT_THAT(outcome.error, HasSubstr("the wheels may be turning; Ctrl-C stops them"));
-    EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
-    EXPECT_FALSE(turning());
-  }
-}
-
-TEST_F(SendTool, StopsADemo) {
-  const Outcome outcome = send({"--duration", "0.2", "start; cover"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
-  EXPECT_TRUE(stopped());
-  EXPECT_EQ(server_->snapshot().mode, oi::Mode::passive);
-}
-
-TEST_F(SendTool, StopsWhatAScriptStarted) {
-  const Outcome outcome =
-      send({"--duration", "0.2", "start; safe; script { drive 200 straight }; play_script"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_FALSE(turning());
-}
-
-TEST_F(SendTool, SaysWhenAScriptIsDeaf) {
-  const Outcome outcome = send({"--duration", "0.1",
-                                "start; safe; script { drive 200 straight; wait_event cliff }; "
-                                "play_script"});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.error, HasSubstr("if it is waiting in a script it is deaf until that ends"));
-}
-
-TEST_F(SendTool, StopsTheWheelsAfterAFailure) {
-  EXPECT_THAT(error_of({"start; safe; drive 200 straight; firmware_date"}),
-              HasSubstr("stopped the wheels\ncargobay: error: the robot did not answer"));
-  EXPECT_TRUE(stopped());
-}
-
-TEST_F(SendTool, WaitsForAScriptNoLongerThanTheDuration) {
-  EXPECT_THAT(error_of({"--duration", "0.5",
-                        "start; safe; drive 200 straight; script { wait_event play_button }; "
-                        "play_script; sensors 35"}),
-              HasSubstr("the robot has not answered since it began the script"));
-}
-
-TEST_F(SendTool, WaitsWhileAScriptWaits) {
-  const Outcome outcome =
-      send({"start; full; script { drive 300 straight; wait_distance 60; drive 0 0 }; play_script; "
-            "sensors distance"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.out, StartsWith(" 19  Distance"));
-  EXPECT_THAT(outcome.error, HasSubstr("the script waits, and the robot is deaf until"));
-  EXPECT_THAT(outcome.error, Not(HasSubstr("stopped the wheels"))) << "the script did";
-  EXPECT_FALSE(turning());
-}
-
-TEST_F(SendTool, SaysHowLongTheScriptWaitsAndEndsWithIt) {
-  const Outcome outcome =
-      send({"start; safe; script { drive 200 straight; wait_time 7; drive 0 0; wait_time 1 }; "
-            "play_script"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_EQ(outcome.error,
-            "cargobay: the script waits for 0.8 s, and the robot is deaf meanwhile; waiting for "
-            "it\n");
-  EXPECT_FALSE(turning());
-  EXPECT_GT(server_->snapshot().truth.pose.x_mm, 50.0);
-}
-
-TEST_F(SendTool, StopsWhatAScriptLeavesTurning) {
-  const Outcome outcome = send(
-      {"--duration", "1", "start; safe; script { wait_time 2; drive 200 straight }; play_script"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
-  EXPECT_FALSE(turning());
-}
-
-TEST_F(SendTool, LeavesAScriptThatWaitsIfASignalComes) {
-  ToolProcess process{with_port(
-      "send", {"start; safe; script { wait_event play_button }; play_script; sensors 7"})};
-  ASSERT_TRUE(eventually([&process] {
-    return process.printed_so_far().find("the script waits") != std::string::npos;
-  }));
-  process.send_signal(SIGINT);
-  EXPECT_EQ(process.wait().code, 128 + SIGINT);
 }
 
 TEST_F(SendTool, SendsRawBytes) {
@@ -247,14 +74,6 @@ TEST_F(SendTool, SendsRawBytes) {
   EXPECT_THAT(outcome.out, StartsWith("  7  Bumps and Wheel Drops"));
   EXPECT_THAT(outcome.out, HasSubstr(" 35  OI Mode "));
   EXPECT_EQ(server_->snapshot().device.unknown_opcodes, 1U);
-}
-
-TEST_F(SendTool, StopsWhatRawBytesMayHaveStarted) {
-  // A velocity out of range.
-  const Outcome outcome = send({"--duration", "0.1", "start; full; bytes 137 2 88 128 0"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.error, HasSubstr("stopped the wheels"));
-  EXPECT_TRUE(stopped());
 }
 
 TEST_F(SendTool, ShowsWhatAnswersRawBytes) {
@@ -289,6 +108,7 @@ TEST_F(SendTool, SaysThatNothingArrived) {
 }
 
 // Under ssh standard input is a pipe that says nothing and does not end.
+
 TEST_F(SendTool, OnlyListensWhileStandardInputIsSilent) {
   const std::string pipe = "/tmp/cargobay-silent-" + std::to_string(getpid());
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -339,21 +159,6 @@ TEST_F(SendTool, StoresATuneInSeveralSlots) {
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_THAT(outcome.out, HasSubstr(" 4\n"));
   EXPECT_THAT(outcome.error, HasSubstr("play 3 (4.00 s), then play 4 (0.50 s)"));
-}
-
-TEST_F(SendTool, EndsAtOnceWhenTheWheelsStandStill) {
-  const Outcome outcome = send({"start; safe; drive 200 straight; drive 0 straight"});
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.error, Not(HasSubstr("wheels")));
-  EXPECT_EQ(send({"script { leds play 0 0; wait_time 1 }; play_script"}).code, 0)
-      << "a script that drives nothing";
-}
-
-TEST_F(SendTool, LeavesTheWheelsRunningIfAskedTo) {
-  const Outcome outcome = send({"--leave-running", "start; safe; drive 100 straight"});
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.error, HasSubstr("--leave-running"));
-  EXPECT_TRUE(eventually([this] { return turning(); }));
 }
 
 TEST_F(SendTool, PrintsFramesWhileItListens) {
@@ -434,40 +239,6 @@ TEST_F(SendTool, SaysWhenThePortHangsUp) {
 TEST_F(SendTool, PointsAtWhatIsWrong) {
   EXPECT_THAT(error_of({"safe; drive 600 0"}), HasSubstr("\n              ^^^\n"));
   EXPECT_THAT(error_of({"--baud", "1", "safe"}), HasSubstr("the robot does not support 1 baud"));
-}
-
-TEST_F(SensorsTool, PrintsOneReadingWhereThereIsNoTerminal) {
-  const Outcome outcome = sensors({"--packets", "oi_mode,voltage"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.out, StartsWith(" 35  OI Mode                                 1 (passive)\n"
-                                      " 22  Voltage "));
-  EXPECT_THAT(outcome.out, HasSubstr(" mV\n"));
-}
-
-TEST_F(SensorsTool, PrintsJson) {
-  const Outcome outcome = sensors({"--packets", "35,7", "--json", "--once"});
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.out,
-              MatchesRegex("\\{\"unix_time_s\":[0-9]+\\.[0-9]+,\"time_s\":0\\.0+,\"oi_mode\":1,"
-                           "\"oi_mode_name\":\"passive\",\"bumps_and_wheel_drops\":0,"
-                           "\"bumps_and_wheel_drops_names\":\\[\\]\\}\n"));
-}
-
-TEST_F(SensorsTool, StreamsJsonUntilASignal) {
-  ToolProcess process{with_port("sensors", {"--packets", "35", "--json"})};
-  const std::string line = ",\"oi_mode\":1,\"oi_mode_name\":\"passive\"}\n";
-  ASSERT_TRUE(eventually([&] { return count(process.printed_so_far(), line) >= 3; }));
-  process.send_signal(SIGINT);
-  EXPECT_EQ(process.wait().code, 0);
-}
-
-TEST_F(SensorsTool, RefusesWhatItCannotDo) {
-  EXPECT_THAT(sensors({"--packets", "99"}).error, HasSubstr("'99' is not a packet"));
-  EXPECT_EQ(sensors({"--packets", "99"}).code, 1);
-  const Outcome silent = sensors({"--baud", "9600", "--once"});
-  EXPECT_EQ(silent.code, 1);
-  EXPECT_THAT(silent.error, HasSubstr("the robot does not answer at 9600 baud"));
-  EXPECT_THAT(run_tool({"sensors", "--port", "/dev/null"}).error, HasSubstr("not a terminal"));
 }
 
 }  // namespace
