@@ -44,11 +44,14 @@ struct Heard {
   bool is_robots_text() const { return source == TextSource::robot; }
   // Something else is at the other end, and it is known what.
   bool is_strangers_text() const { return is_stranger(source) && mostly(printable, bytes); }
+  // Enough to say that it is not text at this rate.
+  bool is_gibberish() const { return bytes >= kEnough && !mostly(printable, bytes); }
   // What was sent comes back. Zeros prove nothing: a frame is full of them.
   bool is_echo() const { return echoed >= kLeastEcho && mostly(echoed, nonzero); }
 
  private:
   static constexpr std::size_t kLeastEcho = 4;  // fewer may be chance
+  static constexpr std::size_t kEnough = 64;    // about a line
   static constexpr bool mostly(std::size_t part, std::size_t all) { return part * 4 > all * 3; }
 };
 

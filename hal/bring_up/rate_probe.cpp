@@ -89,9 +89,8 @@ void RateProbe::set_port(std::uint32_t baud) {
 }
 
 std::vector<std::uint32_t> RateProbe::rates_of_text(const oi::Dialect& dialect) const {
-  constexpr std::array<std::uint32_t, 4> kOfOthers{115200, 9600, 4800, 38400};
   std::vector<std::uint32_t> rates{dialect.default_baud, dialect.brc_baud};
-  if (heard_noise()) rates.insert(rates.end(), kOfOthers.begin(), kOfOthers.end());
+  if (heard_noise()) rates.insert(rates.end(), kRatesOfOthers.begin(), kRatesOfOthers.end());
   return rates;
 }
 

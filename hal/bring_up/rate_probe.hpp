@@ -1,6 +1,7 @@
 // Asks at one rate whether the robot is there, without harm to one that listens at another.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -19,6 +20,9 @@ namespace cargobay::hal {
 
 // A stream begins within a tick.
 inline constexpr std::chrono::milliseconds kFrameTimeout{300};
+
+// At which consoles and GPS receivers talk, likeliest first.
+inline constexpr std::array<std::uint32_t, 4> kRatesOfOthers{115200, 9600, 4800, 38400};
 
 std::string at_baud(std::uint32_t baud);  // "at 57600 baud"
 

@@ -212,6 +212,38 @@ TEST(NameOtherEnd, SaysWhatABringUpWouldSay) {
   EXPECT_THAT(named(prompt), HasSubstr("a login prompt is at this port and no robot"));
 }
 
+TEST(NameOtherEnd, FindsAStrangerAtAnotherRate) {
+  for (const std::uint32_t baud : {115200U, 9600U, 4800U, 38400U, 19200U}) {
+    OtherEnd gps{baud};
+    gps.chatter =
+        "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n"
+        "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
+    const rt::TimePoint began = gps.now();
+    EXPECT_THAT(named(gps), HasSubstr("a GPS receiver is at this port and no robot: it sends at " +
+                                      std::to_string(baud) + " baud ("));
+    EXPECT_LT(gps.now() - began, milliseconds{8000});
+    EXPECT_EQ(gps.baud(), 57600U) << "the port's own rate again";
+  }
+}
+
+TEST(NameOtherEnd, FindsAConsoleAtAnotherRate) {
+  OtherEnd kernel{115200};
+  kernel.chatter = "[ 1234.567890] usb 1-1: new high-speed USB device number 5\r\n";
+  EXPECT_THAT(named(kernel), HasSubstr("a computer's kernel is at this port and no robot: it sends "
+                                       "at 115200 baud"));
+}
+
+// Bytes that are text at no rate, as from a cable without a ground.
+TEST(NameOtherEnd, GivesUpOnNoise) {
+  OtherEnd noise{57600};
+  noise.chatter = "\x81\x02\xf3\x94";
+  noise.every = milliseconds{100};
+  const rt::TimePoint began = noise.now();
+  EXPECT_EQ(named(noise), "no answer");
+  EXPECT_LT(noise.now() - began, milliseconds{10000});
+  EXPECT_EQ(noise.baud(), 57600U);
+}
+
 TEST(NameOtherEnd, LeavesOtherFailuresAndSilenceAsTheyAre) {
   OtherEnd silent{57600};
   const rt::TimePoint began = silent.now();

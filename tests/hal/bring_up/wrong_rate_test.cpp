@@ -81,17 +81,14 @@ class Asked {
 };
 
 // Over all pairs of rates and some gaps: in how many cases something is wrong.
-int harmed_by(std::uint8_t packet) {
+template <typename Say>
+int harmed_by(const Say& say) {
   int harmed = 0;
   for (const std::uint32_t own : oi::kCreate.baud_rates) {
     for (const std::uint32_t other : oi::kCreate.baud_rates) {
       for (std::uint64_t seed = 0; own != other && seed < kTries; ++seed) {
         Asked robot{own, other, seed};
-        robot.send({128});
-        robot.pass(milliseconds{25});
-        robot.send({142, packet});
-        robot.pass(milliseconds{60});
-        robot.send({142, packet});
+        say(robot);
         if (!robot.unharmed()) ++harmed;
       }
     }
@@ -99,9 +96,28 @@ int harmed_by(std::uint8_t packet) {
   return harmed;
 }
 
-TEST(WrongRate, MakesNothingOfTheQuestionWhetherARobotIsThere) { EXPECT_EQ(harmed_by(kWall), 0); }
+void ask(Asked& robot, std::uint8_t packet) {
+  robot.send({142, packet});
+  robot.pass(milliseconds{60});
+  robot.send({142, packet});
+}
+void start_and_ask(Asked& robot, std::uint8_t packet) {
+  robot.send({128});
+  robot.pass(milliseconds{25});
+  ask(robot, packet);
+}
 
-TEST(WrongRate, MakesCommandsOfOtherQuestions) { EXPECT_GT(harmed_by(41), 0); }
+TEST(WrongRate, MakesNothingOfTheQuestionWhetherARobotIsThere) {
+  EXPECT_EQ(harmed_by([](Asked& robot) { start_and_ask(robot, kWall); }), 0);
+}
+
+// As name_other_end() asks.
+TEST(WrongRate, MakesNothingOfTheQuestionWithoutStart) {
+  EXPECT_EQ(harmed_by([](Asked& robot) { ask(robot, kWall); }), 0);
+}
+TEST(WrongRate, MakesCommandsOfOtherQuestions) {
+  EXPECT_GT(harmed_by([](Asked& robot) { start_and_ask(robot, 41); }), 0);
+}
 
 }  // namespace
 }  // namespace cargobay::hal
