@@ -1,7 +1,9 @@
 #include "hal/cli/drive/drive_display.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <span>
 #include <utility>
 
 #include <fmt/core.h>
@@ -11,6 +13,11 @@
 #include "hal/cli/view/drive_view.hpp"
 
 namespace cargobay::cli {
+namespace {
+
+constexpr std::size_t kHazardTicks = 67;  // 1 s: the battery has a turn too
+
+}  // namespace
 
 DriveDisplay::DriveDisplay(std::string what, double duration_s, const DriveLinks& links,
                            Events events)
@@ -24,12 +31,19 @@ void DriveDisplay::show(const hal::FrameCounters& frames) {
     print_events();
     return;
   }
-  if (links_.states().empty()) return;
+  const auto& states = links_.states();
+  if (states.empty()) return;
   DrivePicture picture{.what = what_,
                        .duration_s = duration_s_,
-                       .state = links_.states().back(),
+                       .state = states.back(),
                        .frames = frames,
                        .messages = HeldMessages::so_far()};
+  // A frame reports only some of the hazards: what was seen stays until all have been looked at
+  // again.
+  unsigned hazards = 0;
+  for (const hal::CycleState& state : std::span{states}.last(std::min(states.size(), kHazardTicks)))
+    hazards |= state.hazards.raw();
+  picture.state.hazards = hal::Hazards{static_cast<std::uint8_t>(hazards)};
   constexpr std::size_t kMost = 100;  // more than fit any window
   const auto& events = links_.events();
   const std::size_t first = events.size() - std::min(events.size(), kMost);
