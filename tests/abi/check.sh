@@ -11,6 +11,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 library=$(realpath "${1:?usage: tests/abi/check.sh LIBRARY COMMAND [--dump]}")
 command=$(realpath "${2:?usage: tests/abi/check.sh LIBRARY COMMAND [--dump]}")
+for file in "$library" "$command"; do
+  [[ -f $file ]] || { echo "check.sh: there is no file $file" >&2; exit 2; }
+done
 dump=tests/abi/libcargobay.so.0.abi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -18,7 +21,9 @@ failed=0
 
 dumped() { abidw --exported-interfaces-only --headers-dir hal/c --drop-private-types --no-show-locs --no-corpus-path --no-comp-dir-path "$library" | sed "s|path=./[^']*.|path='hal/c'|"; }
 if [[ ${3:-} == --dump ]]; then
-  dumped > "$dump"
+  dumped > "$work/new.abi"  # whole before it replaces the old one
+  grep -q '<elf-function-symbols>' "$work/new.abi" || { echo "check.sh: no library: $library" >&2; exit 1; }
+  cp "$work/new.abi" "$dump"
   echo "wrote $dump"
   exit
 fi

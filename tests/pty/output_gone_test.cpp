@@ -116,11 +116,16 @@ TEST_F(FullOutputTest, IsAnErrorOfEachCommandThatNeedsNoRobot) {
   Command drive{{"drive", "--virtual", "--duration", "0.3", "--record", recording, "--json",
                  folder.path("a.json")}};
   ASSERT_EQ(drive.exit_code(), 0) << drive.err();
+  const std::string jitter = folder.path("jitter.json");
+  Command measured{{"jitter", "--channels", "sleep", "--duration", "1", "--json", jitter}};
+  ASSERT_EQ(measured.exit_code(), 0) << measured.err();
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"--help"},
            {"--version"},
            {"ports"},
            {"pins"},
+           {"pins", "--json"},
+           {"jitter", "compare", jitter, jitter},
            {"doctor"},
            {"budget"},
            {"complete", "d"},
