@@ -29,11 +29,9 @@ namespace {
 
 using hal::kModeChangeWait;
 
-constexpr std::chrono::milliseconds kFirstLook{40};  // whether a stream is under way already
-constexpr std::chrono::milliseconds kLook{
-    100};  // until a signal or the end of the output is noticed
-constexpr std::chrono::milliseconds kScriptSpare{
-    3000};  // for a script to begin, and to end after its waits
+constexpr std::chrono::milliseconds kFirstLook{40};      // whether a stream is under way already
+constexpr std::chrono::milliseconds kLook{100};          // until a signal is noticed
+constexpr std::chrono::milliseconds kScriptSpare{3000};  // for its beginning and its end
 constexpr rt::Duration kForEver = std::chrono::hours{24 * 365};
 constexpr std::chrono::seconds kRestart{5};  // after opcode 7
 
@@ -81,6 +79,10 @@ class Sending {
  private:
   static hal::Failure hung_up() { return {"the port hung up; plug it in and start again"}; }
 
+  // Asked first: a robot at another rate makes nothing of this question, but commands of others
+  // (tests/hal/bring_up/wrong_rate_test.cpp).
+  bool answers() { return !talk_.ask(*oi::encode(oi::Sensors{oi::PacketId::wall}), 1).empty(); }
+
   // Empty if the robot does not answer.
   std::optional<oi::Mode> ask_mode() {
     const auto request = oi::encode(oi::Sensors{oi::PacketId::oi_mode});
@@ -98,10 +100,12 @@ class Sending {
     const bool raw = commands.front().is_raw();
     const bool starts = !raw && std::holds_alternative<oi::Start>(commands.front().command);
     if (!starts && !raw) {
-      std::optional<oi::Mode> mode = ask_mode();
+      const bool stops = stops_wheels(commands.front());
+      const bool heard = answers();
+      if (!heard && stops) (void)send_stop();  // the next answer, or none, shows it
+      const auto mode = heard || stops ? ask_mode() : std::nullopt;
       if (talk_.signal()) return {};
-      if (!mode && stops_wheels(commands.front())) mode = stop_unheard();
-      if (!mode) return no_answer(port_.baud(), false, stops_wheels(commands.front()));
+      if (!mode) return no_answer(port_.baud(), false, stops);
       robot_ = Expectation{*mode, port_.baud()};
     }
     const std::optional<oi::Mode> known = raw ? std::nullopt : std::optional{robot_.mode()};
@@ -125,18 +129,18 @@ class Sending {
 
   // In Passive nothing but a demo turns the wheels, and the robot ignores their speeds.
   hal::Result<void> end_demo() {
-    if (!talk_.send(*oi::encode(oi::Demo{oi::DemoNumber::abort})) ||
-        !talk_.send(*oi::encode(oi::Start{})))
-      return not_sent();
+    if (!send_stop()) return not_sent();
     if (!talk_.listen(kModeChangeWait)) return hung_up();
     print_remark("the robot is in passive mode: if it ran a demo, that was ended");
     return {};
   }
 
-  // A robot that is not heard may hear, and move. Nothing if it does not answer this either.
-  std::optional<oi::Mode> stop_unheard() {
-    if (hal::farewell(port_, {.demo = true}) != hal::Parting::standing) return std::nullopt;
-    return oi::Mode::passive;
+  // In any mode, and also if it is not heard: a robot at another rate takes one in a hundred of
+  // these for something else, more of a farewell.
+  bool send_stop() {
+    return talk_.send(*oi::encode(oi::DriveDirect{})) &&
+           talk_.send(*oi::encode(oi::Demo{oi::DemoNumber::abort})) &&
+           talk_.send(*oi::encode(oi::Start{}));
   }
 
   // Whether commands follow the script.

@@ -115,6 +115,14 @@ TEST(WrongRate, MakesNothingOfTheQuestionWhetherARobotIsThere) {
 TEST(WrongRate, MakesNothingOfTheQuestionWithoutStart) {
   EXPECT_EQ(harmed_by([](Asked& robot) { ask(robot, kWall); }), 0);
 }
+// What `send stop` says to a robot that it does not hear: less than a farewell.
+TEST(WrongRate, MakesLittleOfAStop) {
+  const auto pairs =
+      static_cast<int>(oi::kCreate.baud_rates.size() * (oi::kCreate.baud_rates.size() - 1));
+  EXPECT_LT(harmed_by([](Asked& robot) { robot.send({145, 0, 0, 0, 0, 136, 255, 128}); }),
+            pairs * kTries / 50);
+}
+
 TEST(WrongRate, MakesCommandsOfOtherQuestions) {
   EXPECT_GT(harmed_by([](Asked& robot) { start_and_ask(robot, 41); }), 0);
 }
