@@ -21,6 +21,7 @@ from pathlib import Path
 import cross_build
 from debian import Suite
 from emulated_pi import EmulatedPi, VirtualCreate, lacks, make_initramfs, unpack_kernel
+from usb_cable import DTR, RTS, UsbCable, modules
 
 KERNEL_SUITE = "bookworm"
 # Those of the project's tests that touch the kernel and the libraries of the Pi.
@@ -207,6 +208,42 @@ def says_what_is_wrong(pi: EmulatedPi, _robot: VirtualCreate) -> None:
         check(code == 1 and single and says in complaint, f"{name}: {complaint}", f"exit code {code}")
 
 
+def watches_a_pin_into_head(pi: EmulatedPi, _robot: VirtualCreate) -> None:
+    print("cargobay pins --watch | head -1")
+    line = f"{{ cargobay pins --chip {CHIP} --watch {BRC + 2}; echo $? > /tmp/code; }} 2> /tmp/says | head -1"
+    _, printed = pi.run(line, 20)
+    code = pi.run("cat /tmp/code")[1].strip()
+    check(printed.strip() in ("high", "low"), f"it prints the level: {printed.strip()}")
+    check(code == "1", f"and ends when head has ended: {code}", pi.run("cat /tmp/says")[1])
+    _, listed = pi.run("cargobay pins --json", 20)
+    (chip,) = [one for one in json.loads(listed) if one.get("label") == CHIP]
+    check(not chip["lines"][BRC + 2]["used"], "and the line is free")
+
+
+def brings_up_by_a_usb_cable(pi: EmulatedPi, cable: UsbCable) -> None:
+    print("bring-up at 19200 baud, power toggle and BRC on DTR and RTS of an FTDI cable")
+    pi.run("for i in 1 2 3 4 5 6 7 8 9 10; do [ -e /dev/ttyUSB0 ] || sleep 1; done", 20)
+    cable.robot.tell("power")  # off
+    begin = time.monotonic()
+    command = "cargobay bringup --port /dev/ttyUSB0 --baud 19200 --brc-line rts --power-line dtr"
+    code, text = pi.run(command, 90)
+    check(code == 0, "cargobay bringup succeeds", text)
+    widths = cable.lows(RTS, begin)[-3:]
+    check(len(widths) == 3 and all(50 <= width <= 500 for width in widths),
+          f"RTS is low three times, for 50 to 500 ms: {widths}")  # fmt: skip
+    toggles = [at for at, line, level in cable.edges if line == DTR and level and at >= begin]
+    check(len(toggles) == 1, f"DTR is released once: {len(toggles)}")
+    state = cable.robot.state()
+    check(state["baud"] == 19200, f"the robot is at {state['baud']} baud")
+    check(state["mode"] == "passive", f"and in mode {state['mode']}: closing the port released nothing")
+    # The lines are the configuration's: another command must not switch the robot off.
+    config = r'port = "/dev/ttyUSB0"\nbaud = 19200\n[pins.brc]\nline = "rts"\n[pins.power]\nline = "dtr"\n'
+    pi.run(f"printf '{config}' > /tmp/usb.toml")
+    code, text = pi.run("cargobay sensors --config /tmp/usb.toml --once --packets oi_mode", 30)
+    check(code == 0 and "passive" in text, "sensors reads it over the cable", text)
+    check(cable.robot.state()["mode"] == "passive", "and leaves it on")
+
+
 def prepare(name: str, folder: Path, built: Path | None) -> tuple[Path, Path, Path, Path]:
     """Downloads and builds what is not there yet, one process at a time: kernel, device tree, the
     user space of that Debian, and the folder with what was built for it."""
@@ -238,21 +275,27 @@ def main() -> int:
     if given.build:
         return 0
     programs = [built / "cargobay", built / "cargobay-guard", *(built / "tests" / test for test in TESTS)]
-    initramfs = make_initramfs(here / "initramfs", root, programs)
+    initramfs = make_initramfs(
+        here / "initramfs", root, programs, modules=modules(given.folder / "kernel")
+    )
     robot = VirtualCreate(command, here)
+    cable = UsbCable(command, here / "usb")
     try:
-        pi = EmulatedPi(kernel, tree, initramfs, here, robot, PINS)
+        pi = EmulatedPi(kernel, tree, initramfs, here, robot, PINS, cable.arguments)
+        cable.start()
         try:
             begin = time.monotonic()
             pi.booted()
             print(f"booted {kernel.name} with the user space of {name} in {time.monotonic() - begin:.1f} s")
             for scenario in (passes_its_tests, brings_up_at_19200, drives_at_19200, recovers_from_a_kill,
-                             is_stopped_by_its_guard, says_what_is_wrong):
+                             is_stopped_by_its_guard, says_what_is_wrong, watches_a_pin_into_head):
                 scenario(pi, robot)
+            brings_up_by_a_usb_cable(pi, cable)
             print(f"rates of the PL011: {pi.rates}")
         finally:
             pi.close()
     finally:
+        cable.close()
         robot.close()
     return 1 if failures else 0
 

@@ -39,6 +39,7 @@ mount -t devpts devpts /dev/pts
 exec < /dev/ttyS1 > /dev/ttyS1 2>&1
 stty -echo -onlcr
 dmesg -n 1
+for module in /modules/*; do if [ -e $module ]; then insmod $module; fi; done
 echo; echo '@@booted'
 # Beside the tests' programs. The packages have theirs where they install it.
 if [ -x /bin/cargobay-guard ]; then export CARGOBAY_GUARD=/bin/cargobay-guard; fi
@@ -87,8 +88,11 @@ def unpack_kernel(suite: Suite, folder: Path) -> tuple[Path, Path]:
     return kernel, tree
 
 
-def make_initramfs(folder: Path, root: Path, programs: list[Path], init: str = INIT) -> Path:
-    """The user space of `root`, as small as it can be, with the programs in it."""
+def make_initramfs(
+    folder: Path, root: Path, programs: list[Path], init: str = INIT, modules: list[Path] = ()
+) -> Path:
+    """The user space of `root`, as small as it can be, with the programs in it, and the kernel's
+    modules, which INIT loads in this order."""
     shutil.rmtree(folder, ignore_errors=True)
     for name in ("bin", "lib/aarch64-linux-gnu", "proc", "sys", "dev", "tmp", "etc"):
         (folder / name).mkdir(parents=True)
@@ -98,6 +102,9 @@ def make_initramfs(folder: Path, root: Path, programs: list[Path], init: str = I
     shutil.copy(root / "lib/ld-linux-aarch64.so.1", folder / "lib")
     for library in libraries(programs, root):
         shutil.copy(library, folder / "lib/aarch64-linux-gnu")
+    (folder / "modules").mkdir()
+    for number, module in enumerate(modules):
+        shutil.copy(module, folder / f"modules/{number:02}-{module.name}")
     (folder / "etc/passwd").write_text("root:x:0:0::/:/bin/sh\nnobody:x:65534:65534::/:/bin/sh\n")
     (folder / "etc/group").write_text("root:x:0:\nnogroup:x:65534:\n")
     (folder / "init").write_text(init)
@@ -185,10 +192,13 @@ class Monitor:
 
 class EmulatedPi:
     """Boots; wires the PL011 to the robot's port and each pin of `pins` (GPIO number to the robot's
-    word for it, and its level while nobody drives it) to the robot's.
+    word for it, and its level while nobody drives it) to the robot's. `more`: for qemu.
     """
 
-    def __init__(self, kernel, tree, initramfs, folder: Path, robot: VirtualCreate, pins: dict):
+    def __init__(
+        self, kernel, tree, initramfs, folder: Path, robot: VirtualCreate, pins: dict,
+        more: list[str] = (),
+    ):  # fmt: skip
         self.robot, self.pins = robot, pins
         self.levels: dict[int, bool] = {}
         self.edges: list[tuple[float, int, bool]] = []  # time in s, pin, level
@@ -202,7 +212,7 @@ class EmulatedPi:
              "-append", "console=ttyS1,115200 rdinit=/init quiet",
              "-serial", f"unix:{sockets['uart']},server=on,wait=off",
              "-serial", f"unix:{sockets['console']},server=on,wait=off",
-             "-qmp", f"unix:{sockets['monitor']},server=on,wait=off"],
+             "-qmp", f"unix:{sockets['monitor']},server=on,wait=off", *more],
             stdin=subprocess.DEVNULL,
         )  # fmt: skip
         self.monitor = Monitor(sockets["monitor"])
