@@ -1,7 +1,7 @@
 // Reads a robot's stream as libcreate does (AutonomyLab; serial.cpp, serial_stream.cpp, data.cpp
-// and create.cpp in its src): one asynchronous read for each byte, a state machine by bytes, packets in a map,
-// two mutexes a packet, and an odometry step a frame. Its structure, not its code. Prints nothing
-// while it runs.
+// and create.cpp in its src): one asynchronous read for each byte, a state machine by bytes,
+// packets in a map, two mutexes a packet, and an odometry step a frame. Its structure, not its
+// code. Prints nothing while it runs.
 // usage: like_libcreate PORT BAUD SECONDS PACKET...
 #include <unistd.h>
 
