@@ -11,7 +11,7 @@ set -euo pipefail
 run=(g++ cmake ninja-build pkg-config libc6-dev libeigen3-dev libserialport-dev libgpiod-dev
   libcli11-dev nlohmann-json3-dev libfmt-dev libtomlplusplus-dev libncurses-dev)
 quick=("${run[@]}" libgtest-dev libgmock-dev librsvg2-bin clang-format-22)
-test=("${quick[@]}" librapidcheck-dev libbenchmark-dev spin help2man abigail-tools universal-ctags
+test=("${quick[@]}" librapidcheck-dev libbenchmark-dev libboost-dev spin help2man abigail-tools universal-ctags
   clang-22 clang-tidy-22 libclang-rt-22-dev llvm-22 strace tmux
   crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64
   libncurses-dev:arm64 libgtest-dev:arm64 libgmock-dev:arm64 g++-arm-linux-gnueabihf python3

@@ -23,7 +23,6 @@
 #include <vector>
 
 #include <boost/asio.hpp>
-#include <boost/bind/bind.hpp>
 
 namespace {
 
@@ -60,7 +59,7 @@ unsigned size_of(std::uint8_t packet) {
 
 class Packet {
  public:
-  explicit Packet(unsigned bytes) : bytes{bytes} {}
+  explicit Packet(unsigned count) : bytes{count} {}
   void keep(std::uint16_t value) {
     const std::scoped_lock lock{unchecked_mutex_};
     unchecked_ = value;
@@ -89,7 +88,7 @@ class Data {
     for (const std::uint8_t id : ids) packets_[id] = std::make_shared<Packet>(size_of(id));
     for (const auto& [id, packet] : packets_) bytes += packet->bytes;
   }
-  bool has(std::uint8_t id) const { return packets_.count(id) != 0; }
+  bool has(std::uint8_t id) const { return packets_.contains(id); }
   std::shared_ptr<Packet> packet(std::uint8_t id) { return has(id) ? packets_[id] : nullptr; }
   void accept_all() {
     for (auto& [id, packet] : packets_) packet->accept();
@@ -135,9 +134,11 @@ class Serial : public std::enable_shared_from_this<Serial> {
 
   void send(const Bytes& bytes) { boost::asio::write(port_, boost::asio::buffer(bytes)); }
   void read_one() {
-    boost::asio::async_read(port_, boost::asio::buffer(&byte_, 1),
-                            boost::bind(&Serial::on_byte, shared_from_this(),
-                                        boost::placeholders::_1, boost::placeholders::_2));
+    boost::asio::async_read(
+        port_, boost::asio::buffer(&byte_, 1),
+        [self = shared_from_this()](const boost::system::error_code& error, std::size_t size) {
+          self->on_byte(error, size);
+        });
   }
   void on_byte(const boost::system::error_code& error, std::size_t size) {
     if (error) return;
@@ -227,12 +228,13 @@ class Odometry {
 int main(int count, char** words) {
   if (count < 5) return 2;
   Bytes ids;
-  for (int i = 4; i < count; ++i) ids.push_back(static_cast<std::uint8_t>(std::atoi(words[i])));
+  for (int i = 4; i < count; ++i)
+    ids.push_back(static_cast<std::uint8_t>(std::strtoul(words[i], nullptr, 10)));
   const auto data = std::make_shared<Data>(ids);
   Odometry odometry{data};
   const auto serial = std::make_shared<Serial>(data, [&odometry] { odometry.step(); });
-  serial->connect(words[1], static_cast<unsigned>(std::atoi(words[2])), ids);
-  std::this_thread::sleep_for(std::chrono::duration<double>{std::atof(words[3])});
+  serial->connect(words[1], static_cast<unsigned>(std::strtoul(words[2], nullptr, 10)), ids);
+  std::this_thread::sleep_for(std::chrono::duration<double>{std::strtod(words[3], nullptr)});
   serial->disconnect();
   std::printf("%u %u\n", serial->frames.load(), serial->corrupt.load());
   return 0;
