@@ -53,8 +53,8 @@ std::string_view name(EntryKind kind) {
 // The recording as the cycle goes through it.
 class Script {
  public:
-  explicit Script(const Recording& recording)
-      : cursor_{std::span{recording.blocks()}.first(recording.unbroken())} {
+  Script(const Recording& recording, const StateObserver& observer)
+      : observer_{observer}, cursor_{std::span{recording.blocks()}.first(recording.unbroken())} {
     Entry entry;
     for (EntryCursor all = cursor_; all.next(entry);) {
       if (entry.kind == EntryKind::waited) ++waits_left_;
@@ -115,6 +115,10 @@ class Script {
     if (over()) return;
     ++result_.frames;
     tick_ = recorded.tick;
+    if (observer_.function != nullptr) observer_.function(observer_.context, replayed);
+  }
+  void note(const Event& event) const {
+    if (!over() && observer_.event != nullptr) observer_.event(observer_.context, event);
   }
 
   // What was wanted in the present tick of the cycle.
@@ -168,6 +172,7 @@ class Script {
                                           .replayed = replayed};
   }
 
+  const StateObserver observer_;
   EntryCursor cursor_;
   std::uint64_t waits_left_ = 0;
   bool exhausted_ = false;
@@ -257,21 +262,26 @@ void compare(void* context, const CycleState& state) CARGOBAY_NONBLOCKING {
   rt::unchecked([&] { static_cast<Script*>(context)->compare(state); });
 }
 
+void note(void* context, const Event& event) CARGOBAY_NONBLOCKING {
+  rt::unchecked([&] { static_cast<const Script*>(context)->note(event); });
+}
+
 }  // namespace
 
-Result<ReplayResult> replay(const Recording& recording) {
+Result<ReplayResult> replay(const Recording& recording, const StateObserver& observer) {
   if (recording.unbroken() == 0) {
     return Failure{recording.blocks().empty()
                        ? "holds nothing of a drive yet"
                        : "does not hold the beginning of the drive, without which it cannot be "
                          "replayed; cargobay plot can show the rest"};
   }
-  Script script{recording};
+  Script script{recording, observer};
   ReplayStream stream{script, recording.header().baud};
   const auto cycle = std::make_unique<ControlCycle>(stream, recording.header().parameters);
   stream.attach(*cycle);
   cycle->set_control({.function = &wanted, .context = &script});
-  cycle->set_observer({.function = &compare, .context = &script, .request = &take_request});
+  cycle->set_observer(
+      {.function = &compare, .context = &script, .request = &take_request, .event = &note});
   if (script.ends_here(CycleEnd::asked)) cycle->request_stop();
   script.finish(cycle->run());
   return script.result();

@@ -35,7 +35,9 @@ struct ReplayResult {
 };
 
 // Compares up to the first missing block. Fails if that is the very first: then it is not known how
-// the cycle began. Takes a small fraction of the recorded time.
-Result<ReplayResult> replay(const Recording& recording);
+// the cycle began. Takes a small fraction of the recorded time. `observer` is told the states that
+// are the same as the recorded ones, and the events up to the first difference; neither a request
+// nor the end. It may allocate.
+Result<ReplayResult> replay(const Recording& recording, const StateObserver& observer = {});
 
 }  // namespace cargobay::hal

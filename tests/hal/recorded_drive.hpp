@@ -24,7 +24,9 @@ namespace cargobay::hal::test {
 
 class RecordedDrive {
  public:
-  explicit RecordedDrive(const sim::Parameters& plant = {}) : device{plant}, link{device} {}
+  explicit RecordedDrive(const sim::Parameters& plant = {},
+                         std::size_t recorder_bytes = FlightRecorder::kDefaultBytes)
+      : device{plant}, link{device}, recorder{recorder_bytes} {}
 
   // Called once a frame on the control thread.
   std::function<void(int frame)> on_frame{};
@@ -41,7 +43,8 @@ class RecordedDrive {
     cycle->set_control({.function = &RecordedDrive::control_of, .context = this});
     cycle->set_observer({.function = &RecordedDrive::record,
                          .context = this,
-                         .request = &RecordedDrive::record_request});
+                         .request = &RecordedDrive::record_request,
+                         .event = &RecordedDrive::record_event});
     end = cycle->run();
     recorder.ended(end);
   }
@@ -61,10 +64,11 @@ class RecordedDrive {
   sim::Device device;
   sim::VirtualLink link;
   DamagedStream line{link};  // undamaged by default
-  FlightRecorder recorder{};
+  FlightRecorder recorder;
   RecordingHeader header{.software = "test", .note = "to and fro"};
   CycleEnd end = CycleEnd::asked;
   std::vector<CycleState> states{};
+  std::vector<Event> events{};
   // While it runs, for on_frame.
   ControlCycle& cycle() { return *cycle_; }
 
@@ -78,6 +82,9 @@ class RecordedDrive {
     auto& self = *static_cast<RecordedDrive*>(context);
     self.recorder.state(state);
     rt::unchecked([&] { self.states.push_back(state); });
+  }
+  static void record_event(void* context, const Event& event) CARGOBAY_NONBLOCKING {
+    rt::unchecked([&] { static_cast<RecordedDrive*>(context)->events.push_back(event); });
   }
   static void record_request(void* context, const Request& request) CARGOBAY_NONBLOCKING {
     static_cast<RecordedDrive*>(context)->recorder.asked(request);

@@ -85,6 +85,8 @@ for header in CLI/CLI.hpp toml++/toml.h nlohmann/json.hpp fmt/format.h; do
   plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli, hal/config and hal/learnt may'
   plant rt/planted.cpp      "#include <$header>" 'only hal/cli, hal/config and hal/learnt may'
 done
+plant hal/export/planted.cpp '#include <fmt/format.h>'      'only hal/cli, hal/config and hal/learnt may'
+plant hal/export/planted.hpp '#include <nlohmann/json.hpp>' 'third-party header in a header'
 # Files that users name.
 plant hal/cli/planted.cpp '#include <fstream>'              'files are read by'
 plant hal/sim/planted.cpp '#include <fstream>'              'files are read by'
@@ -108,6 +110,7 @@ allowed rt/planted.hpp      '#include <sanitizer/rtsan_interface.h>'
 allowed gpio/planted.cpp    '#include <gpiod.h>'
 allowed hal/planted.cpp     '#include <libserialport.h>'
 allowed hal/cli/planted.cpp '#include <CLI/CLI.hpp>'
+allowed hal/export/planted.cpp '#include <nlohmann/json.hpp>'
 allowed hal/config/planted.cpp    '#include <toml++/toml.h>'
 allowed hal/learnt/planted.cpp    '#include <toml++/toml.h>'
 allowed oi/planted.cpp      '// #include <iostream>'
