@@ -15,6 +15,7 @@ using Action = std::function<int()>;
 void add_drive(CLI::App& app, Action& chosen);
 void add_replay(CLI::App& app, Action& chosen);
 void add_plot(CLI::App& app, Action& chosen);
+void add_export(CLI::App& app, Action& chosen);
 void add_calibrate(CLI::App& app, Action& chosen);
 void add_bringup(CLI::App& app, Action& chosen);
 void add_ports(CLI::App& app, Action& chosen);

@@ -22,6 +22,7 @@
 #include "hal/cli/drive/drive_links.hpp"
 #include "hal/cli/drive/drive_log.hpp"
 #include "hal/cli/drive/drive_options.hpp"
+#include "hal/cli/drive/drive_recording.hpp"
 #include "hal/cli/drive/drive_report.hpp"
 #include "hal/cli/drive/last_frames.hpp"
 #include "hal/cli/drive/profile.hpp"
@@ -33,7 +34,6 @@
 #include "hal/cli/view/progress.hpp"
 #include "hal/machine/kworker_boost.hpp"
 #include "hal/port/port_identity.hpp"
-#include "hal/recording/recording_file.hpp"
 #include "hal/robot/reconnect.hpp"
 #include "hal/robot/robot.hpp"
 #include "hal/sim/line/server.hpp"
@@ -88,9 +88,9 @@ struct Ending {
   hal::Robot::Farewell farewell{};
   std::optional<int> signal{};
   std::string why{};  // the robot did not come back; empty if nothing waited for it
-  std::vector<std::string> recordings{};  // one per link
-  hal::Result<void> recorded{};           // of the first that failed
-  std::string not_kept{};                 // why what was learnt is not; empty if it is, or need not
+  std::vector<std::string> recordings{};  // in words: what to do with each
+  hal::Result<void> recorded{};
+  std::string not_kept{};  // why what was learnt is not; empty if it is, or need not
 };
 
 // What went wrong, the worst first; empty if nothing did.
@@ -108,8 +108,7 @@ int conclude(const DriveReport& report, const DriveOptions& options,
   if (options.json_file != "-") {
     constexpr std::size_t kIndent = 11;
     fmt::print("{}", wrapped(table(report), terminal_columns(STDOUT_FILENO), kIndent));
-    for (const std::string& file : ending.recordings)
-      fmt::print("Recording  {0}; look at it with: cargobay plot {0}\n", file);
+    for (const std::string& words : ending.recordings) fmt::print("Recording  {}\n", words);
     fmt::print("{}", last_frames_table(ending.farewell.last));
   }
   const std::string wrong = complaint(ending, saved);
@@ -127,17 +126,37 @@ class Drive {
         StopSignals& signals, Outputs& outputs)
       : options_{options},
         signals_{signals},
-        outputs_{outputs},
         links_{server},
         display_{fmt::format("{}, {} loop", options.profile, options.open_loop ? "open" : "closed"),
                  options.duration_s, links_,
                  options.json_file == "-" ? DriveDisplay::Events::keep_quiet
                                           : DriveDisplay::Events::print},
-        driver_{.profile = &profile, .duration_s = options.duration_s} {}
+        driver_{.profile = &profile, .duration_s = options.duration_s},
+        recording_{
+            drive_recording(options.record_file,
+                            fmt::format("{} at {:g} mm/s, {} loop", options.profile,
+                                        options.speed_mm_s, options.open_loop ? "open" : "closed"),
+                            outputs)} {}
 
   // Fails if the first link cannot be driven. `request` finds the further links; if it names no
   // port there are none.
   hal::Result<Ending> run(hal::Robot::Owned robot, const hal::ReconnectRequest& request) {
+    auto ending = follow_links(std::move(robot), request);
+    if (!ending || !recording_) return ending;
+    recording_->finish();
+    ending->recorded = recording_->written();
+    for (const std::string& file : recording_->files())
+      ending->recordings.push_back(file + "; " + recording_->advice(file));
+    return ending;
+  }
+  const DriveLinks& links() const { return links_; }
+  const rt::RealtimeGrant& grant() const { return grant_; }
+  // By the last link; nothing if the wheels were never told anything.
+  const std::optional<rt::LearntPlant>& learnt() const { return learnt_; }
+  bool began_from_earlier() const { return began_from_earlier_; }
+
+ private:
+  hal::Result<Ending> follow_links(hal::Robot::Owned robot, const hal::ReconnectRequest& request) {
     Ending ending;
     hal::ReconnectRequest again = request;
     if (const std::string& remark = robot->learnt_remark(); !remark.empty()) print_remark(remark);
@@ -153,7 +172,7 @@ class Drive {
       ending.farewell = robot->stop();
       links_.end_link();
       display_.print_events();
-      end_recording(*robot, ending);
+      if (recording_) recording_->end_link(*robot, links_);
       began_from_earlier_ = began_from_earlier_ || robot->began_from().has_value();
       if (auto learnt = robot->cycle().learnt()) learnt_ = learnt;
       if (auto next = robot->learnt()) again.robot.cycle.loop.estimator.prior = next;
@@ -170,17 +189,12 @@ class Drive {
       robot = std::move(back->robot);
     }
   }
-  const DriveLinks& links() const { return links_; }
-  const rt::RealtimeGrant& grant() const { return grant_; }
-  // By the last link; nothing if the wheels were never told anything.
-  const std::optional<rt::LearntPlant>& learnt() const { return learnt_; }
-  bool began_from_earlier() const { return began_from_earlier_; }
-
- private:
   hal::Result<rt::RealtimeGrant> begin_link(hal::Robot& robot) {
     driver_.cycle = &robot.cycle();
     driver_.before_s = static_cast<double>(links_.ticks()) * rt::seconds(oi::kTick);
-    if (const auto begun = begin_recording(robot); !begun) return begun.failure();
+    if (recording_) {
+      if (const auto begun = recording_->begin_link(robot); !begun) return begun.failure();
+    }
     auto grant = robot.start({.function = &Driver::control, .context = &driver_});
     if (!grant) return grant;
     if (recording_) recording_->publish();
@@ -198,7 +212,7 @@ class Drive {
     while (!robot.ended() && !signal.has_value()) {
       signal = signals_.wait(kStatusPeriod);
       links_.collect();
-      if (recording_) recording_->append(robot.flight_recorder());
+      if (recording_) recording_->append(robot, links_);
       display_.show(robot.cycle().counters().frames);
     }
     display_.end();
@@ -216,40 +230,12 @@ class Drive {
     return back;
   }
 
-  // Each cycle gets a recording of its own: FILE for the first link, FILE.2 for the next.
-  hal::Result<void> begin_recording(const hal::Robot& robot) {
-    if (options_.record_file.empty()) return {};
-    std::string key = "--record";
-    if (++recordings_ > 1) {
-      key += fmt::format(" number {}", recordings_);
-      const std::string path = fmt::format("{}.{}", options_.record_file, recordings_);
-      if (auto done = outputs_.open(key, path); !done) return done;
-    }
-    hal::RecordingHeader header = robot.recording_header();
-    header.software = "cargobay " CARGOBAY_VERSION;
-    header.note = fmt::format("{} at {:g} mm/s, {} loop", options_.profile, options_.speed_mm_s,
-                              options_.open_loop ? "open" : "closed");
-    auto file = hal::RecordingFile::begin(std::move(*outputs_.take(key)), header);
-    if (!file) return file.failure();
-    recording_.emplace(std::move(*file));
-    return {};
-  }
-  void end_recording(const hal::Robot& robot, Ending& ending) {
-    if (!recording_) return;
-    recording_->append(robot.flight_recorder());
-    ending.recordings.push_back(recording_->path());
-    if (ending.recorded) ending.recorded = recording_->written();
-    recording_.reset();
-  }
-
   const DriveOptions& options_;
   StopSignals& signals_;
-  Outputs& outputs_;
   DriveLinks links_;
   DriveDisplay display_;
   Driver driver_;
-  std::optional<hal::RecordingFile> recording_{};  // of the link
-  int recordings_ = 0;
+  std::unique_ptr<DriveRecording> recording_;  // null if there is none
   std::optional<rt::LearntPlant> learnt_{};
   bool began_from_earlier_ = false;
   rt::RealtimeGrant grant_{};  // of the last link

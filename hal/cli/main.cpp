@@ -45,6 +45,7 @@ void add_commands(CLI::App& app, cli::Action& chosen) {
   cli::add_drive(app, chosen);
   cli::add_replay(app, chosen);
   cli::add_plot(app, chosen);
+  cli::add_export(app, chosen);
   cli::add_calibrate(app, chosen);
   cli::add_bringup(app, chosen);
   cli::add_ports(app, chosen);

@@ -85,6 +85,10 @@ every_shell() {
   is "$program drive --baud 192" 19200
   is "$program replay mi" mine.rec mine.toml
   is "$program plot -o mine.r" mine.rec
+  is "$program export mi" mine.rec mine.toml
+  has "$program export --" --csv --jsonl --mcap --topics
+  is "$program export --csv mine.r" mine.rec
+  is "$program export --topics states,sen" states,sensors
   is "$program jitter comp" compare
   has "$program jitter compare --" --plot
   is "$program no-such-command --po"

@@ -63,6 +63,21 @@ class DriveReconnectTest : public DriveTest {
   TemporaryFolder folder_;
 };
 
+TEST_F(DriveReconnectTest, RecordsAllLinksInOneMcap) {
+  const std::string file = folder_.path("drive.mcap");
+  Command command{drive({"--duration", "2", "--reconnect=20", "--record", file})};
+  ASSERT_TRUE(starts_to_move());
+  server_->unplug();
+  ASSERT_TRUE(waits(command));
+  replug();
+  EXPECT_EQ(command.exit_code(), 0) << command.err();
+  EXPECT_FALSE(std::filesystem::exists(file + ".2"));
+  const std::string bytes = contents(file);
+  EXPECT_THAT(bytes, testing::EndsWith("MCAP0\r\n"));
+  EXPECT_GT(lines(bytes, R"("covariance":{"xx")"), 100U) << "2 s of both links together";
+  EXPECT_GT(lines(bytes, R"("tick":120,)"), 0U) << "they are counted on";
+}
+
 TEST_F(DriveReconnectTest, CarriesOnWhereItWas) {
   Command command{
       drive({"--duration", "2", "--reconnect=20", "--json", folder_.path("results.json")})};

@@ -157,9 +157,11 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
       "--plot", options.plot_file,
       "Draw set, true, estimated and commanded speed to this file: SVG, or PNG if it "
       "ends in .png");
-  command.add_option("--record", options.record_file,
-                     "Record every byte, time and state to this file, for cargobay replay and plot "
-                     "(about 10 kB a second)");
+  command.add_option(
+      "--record", options.record_file,
+      "Record every byte, time and state to this file, for cargobay replay, plot and "
+      "export (about 10 kB a second); as MCAP, for Foxglove, if it ends in .mcap "
+      "(about 150 kB a second)");
   add_realtime_options(command, options);
   add_pin_options(command, options.pins);
   add_sim_options(command, options.sim);
@@ -170,7 +172,8 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
       "  cargobay drive --baud 19200\n"
       "  cargobay drive --port /dev/ttyUSB0 --profile square --speed 300\n"
       "  cargobay drive --port /dev/ttyUSB0 --duration 3600 --reconnect=60\n"
-      "  cargobay drive --record drive.rec");
+      "  cargobay drive --record drive.rec\n"
+      "  cargobay drive --record drive.mcap");
 }
 
 }  // namespace cargobay::cli

@@ -43,6 +43,8 @@ constexpr Meaning kForSubcommands[]{
     {"config configure configuration settings calibration",
      "the configuration file is described in: man cargobay.toml; calibrate writes to it"},
     {"draw graph chart picture svg", "a recording is drawn with: cargobay plot"},
+    {"csv jsonl mcap foxglove convert dump numpy pandas matlab excel",
+     "a recording is written for other programs with: cargobay export"},
     {"hex bytes disassemble parse", "bytes are explained with: cargobay decode"},
     {"run go move forward teleop", "a robot is driven with: cargobay drive --port PORT"},
     {"version", "write: cargobay --version"},

@@ -101,9 +101,9 @@ const oi::ArgumentInfo* argument_after(const oi::CommandInfo& info, std::size_t 
 }  // namespace
 
 WordList words_of_option(std::string_view option, std::string_view choices) {
-  constexpr std::array<std::string_view, 11> kFiles{"config", "json",    "plot",      "record",
-                                                    "link",   "control", "world",     "trace",
-                                                    "hgrm",   "output",  "cyclictest"};
+  constexpr std::array<std::string_view, 14> kFiles{
+      "config", "json", "plot",   "record",     "link", "control", "world",
+      "trace",  "hgrm", "output", "cyclictest", "csv",  "jsonl",   "mcap"};
   if (option == "port") return {.words = ports(), .files = true};
   if (option == "baud" || option == "boot-baud") return {.words = rates()};
   if (option == "packets") return {.words = packets(), .comma_listed = true};
@@ -119,11 +119,12 @@ WordList words_of_option(std::string_view option, std::string_view choices) {
   if (option == "learnt") return {.words = {{"none", "keep nothing"}}, .files = true};
   return {.words = listed_in(choices),
           .files = is_one_of(option, kFiles) || option == "write",
-          .comma_listed = option == "channels"};
+          .comma_listed = option == "channels" || option == "topics"};
 }
 
 WordList words_of_operand(std::string_view subcommand, std::span<const std::string> operands) {
-  constexpr std::array<std::string_view, 4> kReaders{"replay", "plot", "compare", "decode"};
+  constexpr std::array<std::string_view, 5> kReaders{"replay", "plot", "export", "compare",
+                                                     "decode"};
   if (is_one_of(subcommand, kReaders)) return {.files = true};
   if (subcommand != "send" && subcommand != "encode") return {};
   if (operands.empty() || operands.back().ends_with(';')) return {.words = commands()};
