@@ -198,6 +198,7 @@ This package contains the Python package cargobay, and examples.")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME ${package_command})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION electronics)
 # rsvg-convert makes PNGs of drawings.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, cargobay")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS "python3-cargobay, librsvg2-bin")
 set(CPACK_COMPONENT_COMMAND_DEPENDS library)
 set(CPACK_COMPONENT_COMMAND_DESCRIPTION

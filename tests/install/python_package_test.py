@@ -63,7 +63,7 @@ class Installed(unittest.TestCase):
                      if path.is_file() and path.suffix != ".pyc"}
         self.assertEqual(recorded, installed)
         self.assertIn("cargobay/py.typed", installed)
-        modules = {f"cargobay/{path.name}" for path in PACKAGE.glob("cargobay/*.py")}
+        modules = {str(path.relative_to(PACKAGE)) for path in PACKAGE.glob("cargobay/**/*.py")}
         self.assertEqual({name for name in installed if name.endswith(".py")}, modules)
 
     def test_finds_the_library_of_its_own_prefix(self):
@@ -126,7 +126,7 @@ class Types(unittest.TestCase):
 
 class Sources(unittest.TestCase):
     def test_are_short(self):
-        for path in (*PACKAGE.glob("cargobay/*.py"), *EXAMPLES.glob("*.py"),
+        for path in (*PACKAGE.glob("cargobay/**/*.py"), *EXAMPLES.glob("*.py"),
                      *pathlib.Path(__file__).parent.glob("python*.py")):
             lines = path.read_text().splitlines()
             self.assertLessEqual(len(lines), 400, path)

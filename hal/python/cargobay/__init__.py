@@ -12,7 +12,7 @@ cargobay.h is the manual of every function and member. Names are those in C: `ca
 CARGOBAY_MODE_SAFE is `Mode.SAFE`, CARGOBAY_E_BUSY is the exception `Busy` (cargobay.errors).
 `Robot.end()` ends the loop; why it has ended, `cargobay_get_end()`, is `Robot.end_report`. Times
 are given in seconds or as timedelta (`_s`), and reported in ns (`_ns`). What is reported is a copy:
-it may be kept. cargobay.aio is for asyncio.
+it may be kept. cargobay.aio is for asyncio, cargobay.tables for recorded drives as numpy arrays.
 
 The library is searched for below the prefix of this package, then by the loader; $CARGOBAY_LIBRARY
 names another instead.
