@@ -13,7 +13,7 @@
 
 #include "drive_fixture.hpp"
 #include "hal/file/descriptor.hpp"
-#include "hal/sim/line/left_behind.hpp"
+#include "hal/file/left_behind.hpp"
 #include "hal/sim/line/pty_port.hpp"
 
 namespace cargobay::test {
@@ -21,7 +21,7 @@ namespace {
 
 using hal::sim::link_target;
 using hal::sim::PtyPort;
-using hal::sim::remove_if;
+using hal::remove_if;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 

@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "hal/port/tty_speed.hpp"
-#include "hal/sim/line/left_behind.hpp"
+#include "hal/file/left_behind.hpp"
 
 namespace cargobay::hal::sim {
 

@@ -15,7 +15,7 @@
 #include <span>
 
 #include "hal/machine/masked_thread.hpp"
-#include "hal/sim/line/left_behind.hpp"
+#include "hal/file/left_behind.hpp"
 
 namespace cargobay::hal::sim {
 

@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -17,28 +16,6 @@ constexpr std::size_t kLongestLine = 1024;
 constexpr rt::Duration kPatience = std::chrono::seconds{1};
 
 }  // namespace
-
-ControlConnection::~ControlConnection() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-ControlConnection::ControlConnection(ControlConnection&& other) noexcept
-    : descriptor_{std::exchange(other.descriptor_, -1)},
-      received_{std::move(other.received_)},
-      too_long_{other.too_long_},
-      ended_{other.ended_},
-      unsent_{std::move(other.unsent_)},
-      deadline_{other.deadline_} {}
-
-ControlConnection& ControlConnection::operator=(ControlConnection&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  received_.swap(other.received_);
-  std::swap(too_long_, other.too_long_);
-  std::swap(ended_, other.ended_);
-  unsent_.swap(other.unsent_);
-  std::swap(deadline_, other.deadline_);
-  return *this;
-}
 
 short ControlConnection::events() const { return unsent_.empty() ? POLLIN : POLLOUT; }
 
@@ -66,7 +43,7 @@ void ControlConnection::dismiss(std::string_view line) {
 // Sends what it can. False if the client is gone, or its time is up.
 bool ControlConnection::flush(rt::TimePoint now) {
   while (!unsent_.empty()) {
-    const ssize_t count = send(descriptor_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
+    const ssize_t count = send(socket_.number(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
     if (count >= 0) {
       unsent_.erase(0, static_cast<std::size_t>(count));
       deadline_.reset();
@@ -84,7 +61,7 @@ bool ControlConnection::flush(rt::TimePoint now) {
 // Reads once what is there. False if the connection is broken.
 bool ControlConnection::receive() {
   std::array<char, 4096> bytes{};
-  const ssize_t count = recv(descriptor_, bytes.data(), bytes.size(), 0);
+  const ssize_t count = recv(socket_.number(), bytes.data(), bytes.size(), 0);
   if (count < 0) return errno == EAGAIN || errno == EINTR;
   ended_ = count == 0;
   received_.append(bytes.data(), static_cast<std::size_t>(count));

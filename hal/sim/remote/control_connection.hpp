@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "hal/file/descriptor.hpp"
 #include "rt/clock.hpp"
 
 namespace cargobay::hal::sim {
@@ -16,15 +18,9 @@ class ControlConnection {
   // The answer to a line; both without the newline.
   using Answers = std::function<std::string(std::string_view line)>;
 
-  // Owns the descriptor, and closes it at the end, which does not block.
-  explicit ControlConnection(int descriptor) : descriptor_{descriptor} {}
-  ~ControlConnection();
-  ControlConnection(const ControlConnection&) = delete;
-  ControlConnection& operator=(const ControlConnection&) = delete;
-  ControlConnection(ControlConnection&& other) noexcept;
-  ControlConnection& operator=(ControlConnection&& other) noexcept;
+  explicit ControlConnection(Descriptor socket) : socket_{std::move(socket)} {}
 
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return socket_.number(); }
   // What to poll for.
   short events() const;
   // When to drop a client that does not take its answer; nothing while no answer is pending.
@@ -42,7 +38,7 @@ class ControlConnection {
   bool answer_next(const Answers& answers);
   bool receive();
 
-  int descriptor_;
+  Descriptor socket_;
   std::string received_{};  // not answered yet
   bool too_long_ = false;   // the current line is too long; its rest is skipped
   bool ended_ = false;      // the client sends no more

@@ -1,20 +1,16 @@
 #include "hal/sim/remote/control_socket.hpp"
 
 #include <sys/eventfd.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <ctime>
-#include <optional>
 #include <utility>
 
 #include "hal/machine/masked_thread.hpp"
-#include "hal/sim/line/left_behind.hpp"
+#include "hal/file/left_behind.hpp"
 #include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/control.hpp"
 
@@ -23,64 +19,8 @@ namespace cargobay::hal::sim {
 namespace {
 
 constexpr std::size_t kMostClients = 16;
-constexpr int kBacklog = 16;
-constexpr timespec kRetryPause{.tv_sec = 0, .tv_nsec = 5'000'000};
 // How long to accept no client after the system refused to: it would refuse again at once.
 constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
-
-std::optional<sockaddr_un> address_of(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path) return std::nullopt;
-  std::memcpy(address.sun_path, path.data(), path.size());
-  return address;
-}
-
-const sockaddr* generic(const sockaddr_un& address) {
-  // The socket API takes addresses of every kind this way.
-  return reinterpret_cast<const sockaddr*>(&address);
-}
-
-Failure failure(const std::string& path, std::error_code code, const std::string& remedy) {
-  return {.message = "cannot listen on " + path + ": " + code.message() + "; " +
-                     remedy_for(code.value(), remedy),
-          .code = code};
-}
-
-// Connects to the path: 0, or errno. Never waits: a socket with a full queue returns EAGAIN.
-int try_path(const sockaddr_un& address) {
-  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const bool connected = probe >= 0 && connect(probe, generic(address), sizeof address) == 0;
-  const int error = connected ? 0 : errno;
-  if (probe >= 0) close(probe);
-  return error;
-}
-
-// Whether the path leads to this listener. If another socket has taken its place, no client can
-// reach it.
-bool is_reached(int listener, const sockaddr_un& address) {
-  pollfd newcomer{.fd = listener, .events = POLLIN, .revents = 0};
-  return try_path(address) == 0 && poll(&newcomer, 1, 0) > 0;
-}
-
-// Why the file at the path must stay; nothing if it is a socket of ours that nothing listens on.
-std::error_code reason_to_keep(const std::string& path, const sockaddr_un& address) {
-  struct stat status{};
-  if (lstat(path.c_str(), &status) != 0) return {};
-  if (!S_ISSOCK(status.st_mode) || status.st_uid != geteuid())
-    return std::make_error_code(std::errc::file_exists);
-  const int error = try_path(address);
-  if (error == ECONNREFUSED) return {};
-  if (error == EMFILE || error == ENFILE) return {error, std::generic_category()};
-  return std::make_error_code(std::errc::address_in_use);
-}
-
-bool same_file(const std::string& path, const struct stat& file) {
-  struct stat found{};
-  return lstat(path.c_str(), &found) == 0 && found.st_dev == file.st_dev &&
-         found.st_ino == file.st_ino && found.st_mtim.tv_sec == file.st_mtim.tv_sec &&
-         found.st_mtim.tv_nsec == file.st_mtim.tv_nsec;
-}
 
 }  // namespace
 
@@ -104,70 +44,23 @@ std::string control(std::string_view line, Server& server) {
 
 Result<std::unique_ptr<ControlSocket>> ControlSocket::open(const std::string& path,
                                                            Server& server) {
-  const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int wake_descriptor = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-  const std::error_code code{errno, std::generic_category()};
-  std::unique_ptr<ControlSocket> control{
-      new ControlSocket{path, server, listener, wake_descriptor}};
-  if (listener < 0 || wake_descriptor < 0) return failure(path, code, "free some memory");
-  if (const auto listens = control->listen_on_path(); !listens) return listens.failure();
-  return control;
+  Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
+  if (wake.number() < 0) {
+    const std::error_code code{errno, std::generic_category()};
+    return Failure{.message = "cannot listen on " + path + ": " + code.message() + "; " +
+                              remedy_for(code.value(), "free some memory"),
+                   .code = code};
+  }
+  auto listener = UnixListener::open(path, S_IRUSR | S_IWUSR);
+  if (!listener) return listener.failure();
+  return std::unique_ptr<ControlSocket>{
+      new ControlSocket{server, std::move(*listener), std::move(wake)}};
 }
 
-Result<void> ControlSocket::listen_on_path() {
-  constexpr int kTries = 10;  // other processes may come and go at that path
-  constexpr const char* kTaken = "name another path, or remove what is there";
-  const std::optional<sockaddr_un> address = address_of(path_);
-  if (!address) {
-    return failure(path_, std::make_error_code(std::errc::filename_too_long),
-                   "name a path of 1 to 107 bytes");
-  }
-  const FolderTurn turn{path_};
-  fchmod(listener_, S_IRUSR | S_IWUSR);  // the file has these rights from the first moment on
-  int error = 0;
-  for (int i = 0; i < kTries; ++i) {
-    if (bind(listener_, generic(*address), sizeof *address) == 0) {
-      // Until it listens it looks dead: another process may just have removed it.
-      const bool ours = listen(listener_, kBacklog) == 0 && is_reached(listener_, *address);
-      if (ours && lstat(path_.c_str(), &file_) == 0) return {};
-      return failure(path_, std::make_error_code(std::errc::address_in_use), kTaken);
-    }
-    error = errno;
-    if (error != EADDRINUSE) break;
-    const std::error_code reason = reason_to_keep(path_, *address);
-    // Two processes that want the same dead socket may each have got in the other's way, so look
-    // again a little later.
-    const bool last = i + 1 == kTries;
-    if (reason == std::errc::address_in_use && !last) {
-      nanosleep(&kRetryPause, nullptr);
-      continue;
-    }
-    if (reason) return failure(path_, reason, kTaken);
-    const std::error_code kept = remove_if(path_, [](const std::string& path) {
-      const std::optional<sockaddr_un> there = address_of(path);
-      return there && !reason_to_keep(path, *there);
-    });
-    if (kept && kept != std::errc::file_exists) {
-      error = kept.value();
-      break;
-    }
-  }
-  return failure(path_, {error, std::generic_category()},
-                 error == EADDRINUSE ? kTaken : "name a path in a directory you can write to");
-}
+ControlSocket::ControlSocket(Server& server, UnixListener listener, Descriptor wake)
+    : server_{&server}, listener_{std::move(listener)}, wake_{std::move(wake)} {}
 
-ControlSocket::ControlSocket(std::string path, Server& server, int listener, int wake_descriptor)
-    : path_{std::move(path)},
-      server_{&server},
-      listener_{listener},
-      wake_descriptor_{wake_descriptor} {}
-
-ControlSocket::~ControlSocket() {
-  stop();
-  for (const int descriptor : {listener_, wake_descriptor_}) {
-    if (descriptor >= 0) close(descriptor);
-  }
-}
+ControlSocket::~ControlSocket() { stop(); }
 
 std::error_code ControlSocket::start() {
   return start_masked(thread_, [this] { run(); });
@@ -177,14 +70,10 @@ void ControlSocket::stop() {
   if (thread_.joinable()) {
     stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
     const std::uint64_t one = 1;
-    (void)!::write(wake_descriptor_, &one, sizeof one);  // even if the counter is full, this wakes
+    (void)!::write(wake_.number(), &one, sizeof one);  // even if the counter is full, this wakes
     thread_.join();
   }
-  if (listener_ < 0) return;
-  close(listener_);
-  listener_ = -1;
-  // Leaves alone the socket of another process that has taken the path.
-  (void)remove_if(path_, [this](const std::string& path) { return same_file(path, file_); });
+  listener_.close();
 }
 
 void ControlSocket::run() {
@@ -211,8 +100,8 @@ void ControlSocket::wait(std::vector<pollfd>& sources) const {
   const rt::TimePoint now = rt::Clock::now();
   const bool paused = now < accept_again_;
   rt::TimePoint until = paused ? accept_again_ : rt::TimePoint::max();
-  sources = {{.fd = wake_descriptor_, .events = POLLIN, .revents = 0},
-             {.fd = paused ? -1 : listener_, .events = POLLIN, .revents = 0}};
+  sources = {{.fd = wake_.number(), .events = POLLIN, .revents = 0},
+             {.fd = paused ? -1 : listener_.descriptor(), .events = POLLIN, .revents = 0}};
   for (const ControlConnection& client : clients_) {
     sources.push_back({.fd = client.descriptor(), .events = client.events(), .revents = 0});
     if (client.deadline()) until = std::min(until, *client.deadline());
@@ -229,13 +118,13 @@ void ControlSocket::wait(std::vector<pollfd>& sources) const {
 }
 
 void ControlSocket::accept_client() {
-  const int descriptor = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  if (descriptor < 0) {
+  Descriptor accepted = listener_.accept();
+  if (accepted.number() < 0) {
     const bool retry = errno == EAGAIN || errno == EINTR || errno == ECONNABORTED;
     if (!retry) accept_again_ = rt::Clock::now() + kRefusalPause;
     return;
   }
-  ControlConnection client{descriptor};
+  ControlConnection client{std::move(accepted)};
   if (clients_.size() < kMostClients) {
     clients_.push_back(std::move(client));
   } else {

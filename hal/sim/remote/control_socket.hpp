@@ -3,7 +3,6 @@
 #pragma once
 
 #include <poll.h>
-#include <sys/stat.h>
 
 #include <atomic>
 #include <memory>
@@ -13,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "hal/file/descriptor.hpp"
+#include "hal/file/unix_listener.hpp"
 #include "hal/result.hpp"
 #include "hal/sim/line/server.hpp"
 #include "hal/sim/remote/control_connection.hpp"
@@ -36,19 +37,16 @@ class ControlSocket {
   void stop();
 
  private:
-  ControlSocket(std::string path, Server& server, int listener, int wake_descriptor);
+  ControlSocket(Server& server, UnixListener listener, Descriptor wake);
 
-  Result<void> listen_on_path();
   void run();
   // Waits until there is something to do: `sources` are, in order, wake-up, listener, clients.
   void wait(std::vector<pollfd>& sources) const;
   void accept_client();
 
-  std::string path_;
-  struct stat file_{};  // the socket's own file, at that path
   Server* server_;
-  int listener_;
-  int wake_descriptor_;
+  UnixListener listener_;
+  Descriptor wake_;                           // an eventfd: ends the thread's sleep
   std::vector<ControlConnection> clients_{};  // used by the thread only
   rt::TimePoint accept_again_{};              // descriptors ran out: accept none before this time
   std::atomic<bool> stopping_{false};

@@ -5,7 +5,7 @@
 #include <string>
 #include <system_error>
 
-namespace cargobay::hal::sim {
+namespace cargobay::hal {
 
 // Removes the file at `path` if `removable`, called with a path, says that it may go. It is called
 // twice: before the file is touched, and again after the file has been moved to a name of its own,
@@ -36,4 +36,4 @@ std::string link_target(const std::string& link);
 // What to do about an error on opening something; `otherwise` unless descriptors have run out.
 std::string remedy_for(int error, std::string otherwise);
 
-}  // namespace cargobay::hal::sim
+}  // namespace cargobay::hal

@@ -1,4 +1,4 @@
-#include "hal/sim/line/left_behind.hpp"
+#include "hal/file/left_behind.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <ctime>
 
-namespace cargobay::hal::sim {
+namespace cargobay::hal {
 
 namespace {
 
@@ -80,4 +80,4 @@ std::string remedy_for(int error, std::string otherwise) {
   return otherwise;
 }
 
-}  // namespace cargobay::hal::sim
+}  // namespace cargobay::hal
