@@ -11,6 +11,7 @@
 
 #include "hal/c/errors.hpp"
 #include "oi/limits.hpp"
+#include "rt/twist.hpp"
 
 namespace cargobay::c {
 namespace {
@@ -99,7 +100,7 @@ int RobotObject::open_session() {
   hal::RobotOptions wanted = opening.wanted;
   wanted.progress = [&teller](const hal::BringUpEvent& event) { teller.tell(event); };
   wanted.cancelled = [&teller, this] { return teller.given_up() || closing.load(); };
-  wanted.observer = session->observer();
+  wanted.observers = {session->observer()};
   wanted.memory = {std::as_bytes(std::span{this, 1}), std::as_bytes(std::span{session.get(), 1})};
   auto opened = hal::Robot::open(std::move(stream), wanted);
   if (!opened) return not_opened(opened.failure(), opening);
@@ -144,22 +145,9 @@ void keep(std::unique_ptr<RobotObject> object) {
 
 cargobay_wheels wheels_for(const RobotObject& robot, const cargobay_twist& twist)
     CARGOBAY_NONBLOCKING {
-  constexpr double kMost = oi::kMaxWheelSpeed;
-  const double half_base_mm = robot.wheel_base_mm() / 2.0;
-  // First to where nothing overflows, however large the numbers are.
-  const double scale = std::max({1.0, std::abs(twist.velocity_mm_s) / kMost,
-                                 std::abs(twist.turn_rate_rad_s) / (kMost / half_base_mm)});
-  const double velocity_mm_s = twist.velocity_mm_s / scale;
-  const double apart_mm_s = twist.turn_rate_rad_s / scale * half_base_mm;
-  cargobay_wheels wheels{velocity_mm_s - apart_mm_s, velocity_mm_s + apart_mm_s};
-  const double fastest_mm_s = std::max(std::abs(wheels.left_mm_s), std::abs(wheels.right_mm_s));
-  // The faster wheel is to do all it can, if it was to do more.
-  const double wanted_mm_s = fastest_mm_s * scale;
-  if (!(wanted_mm_s > kMost)) return wheels;
-  const auto scaled = [&](double speed_mm_s) {
-    return std::clamp(speed_mm_s / fastest_mm_s * kMost, -kMost, kMost);
-  };
-  return {scaled(wheels.left_mm_s), scaled(wheels.right_mm_s)};
+  const rt::WheelSpeeds wheels = rt::wheels_for({twist.velocity_mm_s, twist.turn_rate_rad_s},
+                                                robot.wheel_base_mm(), oi::kMaxWheelSpeed);
+  return {wheels.left_mm_s, wheels.right_mm_s};
 }
 
 cargobay_state c_state(const RobotObject& robot, const SeenState& known) CARGOBAY_NONBLOCKING {

@@ -159,8 +159,9 @@ void Robot::run() {
 void Robot::announce_end() {
   ended_.store(true, std::memory_order_release);
   doorbell_.ring();
-  const StateObserver& other = options_.observer;
-  if (other.ended != nullptr) other.ended(other.context);
+  for (const StateObserver& other : options_.observers) {
+    if (other.ended != nullptr) other.ended(other.context);
+  }
 }
 
 // All that a pass touches, except code and the control function's own memory.
@@ -178,6 +179,12 @@ std::vector<rt::Memory> Robot::memory_of_loop() const {
   return memory;
 }
 
+void Robot::tell(const Event& event) const CARGOBAY_NONBLOCKING {
+  for (const StateObserver& other : options_.observers) {
+    if (other.event != nullptr) other.event(other.context, event);
+  }
+}
+
 // The robot drives without it too.
 void Robot::start_port_watch() {
   const std::string path = path_of(stream_->terminal().descriptor);
@@ -188,10 +195,7 @@ void Robot::start_port_watch() {
     keeper_.now_and_then(cycle_->learnt(), rt::Clock::now());
     return PortWatch::Progress{.missed = frames.bad + frames.lost, .tick = state ? state->tick : 0};
   };
-  (void)port_watch_.start(path, look_up, [this](const Event& event) {
-    const StateObserver& other = options_.observer;
-    if (other.event != nullptr) other.event(other.context, event);
-  });
+  (void)port_watch_.start(path, look_up, [this](const Event& event) { tell(event); });
 }
 
 // Called by the control thread, or by the owner that has given it up: whichever comes first.
@@ -217,13 +221,13 @@ StateObserver Robot::observer() {
   constexpr auto kSee = [](void* context, const CycleState& state) CARGOBAY_NONBLOCKING {
     auto& robot = *static_cast<Robot*>(context);
     robot.recorder_.state(state);
-    const StateObserver& other = robot.options_.observer;
-    if (other.function != nullptr) other.function(other.context, state);
+    for (const StateObserver& other : robot.options_.observers) {
+      if (other.function != nullptr) other.function(other.context, state);
+    }
     robot.doorbell_.ring();
   };
   constexpr auto kTell = [](void* context, const Event& event) CARGOBAY_NONBLOCKING {
-    const StateObserver& other = static_cast<Robot*>(context)->options_.observer;
-    if (other.event != nullptr) other.event(other.context, event);
+    static_cast<const Robot*>(context)->tell(event);
   };
   constexpr auto kHear = [](void* robot, const Request& request) CARGOBAY_NONBLOCKING {
     static_cast<Robot*>(robot)->recorder_.asked(request);

@@ -42,10 +42,10 @@ struct RobotOptions {
   RobotPins pins{};
   std::function<void(const BringUpEvent&)> progress{};
   std::function<bool()> cancelled{};
-  // Called on the control thread after the robot's own observer; events of the port come from
-  // another thread. Its `request` is not called.
-  StateObserver observer{};
-  // What the observer and the control function touch; locked with the loop's own.
+  // Called on the control thread, in their order, after the robot's own observer; events of the port
+  // come from another thread. `request` is not called.
+  std::vector<StateObserver> observers{};
+  // What the observers and the control function touch; locked with the loop's own.
   std::vector<rt::Memory> memory{};
 };
 
@@ -138,6 +138,7 @@ class Robot {
   bool ends_in_time();
   void abandon();
   bool guard_has_taken() const;
+  void tell(const Event& event) const CARGOBAY_NONBLOCKING;
   StateObserver observer();
   std::vector<rt::Memory> memory_of_loop() const;
   void start_port_watch();

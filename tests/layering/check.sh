@@ -102,7 +102,7 @@ function theirs(path) {
   }
   if (path ~ /^(CLI|toml\+\+|nlohmann|fmt)\//) {
     if (room == "hal/export" && path ~ /^nlohmann\//) { if (header) bad("third-party header in a header: <" path ">") }
-    else if (room !~ /^hal\/cli/ && room !~ /^hal\/(config|learnt)$/) bad("only hal/cli, hal/config and hal/learnt may include <" path ">")
+    else if (room !~ /^hal\/cli/ && room !~ /^hal\/(config|feed|learnt)$/) bad("only hal/cli, hal/config, hal/feed and hal/learnt may include <" path ">")
     else if (header) bad("third-party header in a header: <" path ">")
     return
   }

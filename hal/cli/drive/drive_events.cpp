@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/export/records.hpp"
+#include "hal/feed/message/event_json.hpp"
 #include "oi/limits.hpp"
 #include "oi/value_names.hpp"
 
@@ -20,10 +20,6 @@ double robot_time_s(std::int64_t tick) {
   return static_cast<double>(tick) * rt::seconds(oi::kTick);
 }
 
-Json wheels(const rt::WheelSpeeds& speeds) {
-  return {{"left", speeds.left_mm_s}, {"right", speeds.right_mm_s}};
-}
-
 Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states) {
   Json around = Json::array();
   auto state = std::lower_bound(
@@ -32,23 +28,12 @@ Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states
   for (; state != states.end() && state->tick <= tick + kTicksAround; ++state) {
     around.push_back({{"tick", state->tick},
                       {"mode", oi::name(state->mode)},
-                      {"hazards", hal::names(state->hazards)},
-                      {"set_mm_s", wheels(state->set)},
-                      {"estimate_mm_s", wheels(state->estimate)},
-                      {"command_mm_s", wheels(state->command)}});
+                      {"hazards", Json::parse(hal::json_of(state->hazards))},
+                      {"set_mm_s", Json::parse(hal::json_of(state->set).take())},
+                      {"estimate_mm_s", Json::parse(hal::json_of(state->estimate).take())},
+                      {"command_mm_s", Json::parse(hal::json_of(state->command).take())}});
   }
   return around;
-}
-
-// As it is exported, but by the robot's time alone.
-Json exported(const hal::Event& event) {
-  std::string text;
-  append_json(text, hal::event_columns(), hal::EventRecord{.event = event});
-  Json out = Json::parse(text);
-  out.erase("unix_time_s");
-  out.erase("robot_time_s");
-  out["time_s"] = robot_time_s(event.tick);
-  return out;
 }
 
 }  // namespace
@@ -60,7 +45,9 @@ std::string line(const hal::Event& event) {
 std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states) {
   Json list = Json::array();
   for (const hal::Event& event : events) {
-    Json out = exported(event);
+    hal::JsonObject object;
+    hal::put_event(object, event);
+    Json out = Json::parse(object.take());
     if (event.what != hal::EventKind::frames_lost)
       out["states"] = states_around(event.tick, states);
     list.push_back(std::move(out));

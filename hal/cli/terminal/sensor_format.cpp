@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/feed/message/packet_json.hpp"
 #include "oi/dialect.hpp"
 #include "oi/value_names.hpp"
 
@@ -57,40 +58,19 @@ std::string text(PacketId packet, const oi::SensorValues& values) {
   return unit.empty() ? fmt::format("{}", raw) : fmt::format("{} {}", raw, unit);
 }
 
-JsonLine::JsonLine(const std::vector<PacketId>& packets) {
-  for (const PacketId packet : singles(packets)) {
-    const std::string prefix = fmt::format(",\"{}", info(packet).key);
-    items_.push_back({.packet = packet,
-                      .key = prefix + "\":",
-                      .prefix = prefix,
-                      .is_bits = oi::is_bit_set(packet)});
-  }
-}
+JsonLine::JsonLine(const std::vector<PacketId>& packets) : packets_{singles(packets)} {}
 
-// No name needs escaping: all are from tables.
 std::string JsonLine::of(const oi::SensorValues& values, const ReadingContext& context) const {
   std::string out;
   out.reserve(std::size_t{1} << 11U);
   put_seconds(out += R"({"unix_time_s":)", context.unix_time_s);
   put_seconds(out += R"(,"time_s":)", context.time_s);
-  for (const Item& item : items_) {
-    const std::int32_t raw = values.raw(item.packet);
-    (out += item.key) += fmt::format_int(raw).c_str();
-    if (const std::string_view name = oi::code_name(item.packet, raw); !name.empty())
-      (((out += item.prefix) += "_name\":\"") += name) += '"';
-    if (item.is_bits) {
-      (out += item.prefix) += "_names\":[";
-      const char* quote = "\"";
-      oi::visit_bits(item.packet, raw, [&](std::string_view name) {
-        ((out += quote) += name) += '"';
-        quote = ",\"";
-      });
-      out += ']';
-    }
-    if (item.packet == PacketId::distance)
-      ((out += item.prefix) += "_sum\":") += fmt::format_int(context.distance_mm).c_str();
-    if (item.packet == PacketId::angle)
-      ((out += item.prefix) += "_sum\":") += fmt::format_int(context.angle_deg).c_str();
+  for (const PacketId packet : packets_) {
+    hal::append_json(out, packet, values.raw(packet));
+    if (packet == PacketId::distance)
+      (out += R"(,"distance_sum":)") += fmt::format_int(context.distance_mm).c_str();
+    if (packet == PacketId::angle)
+      (out += R"(,"angle_sum":)") += fmt::format_int(context.angle_deg).c_str();
   }
   return out += '}';
 }

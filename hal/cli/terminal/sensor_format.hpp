@@ -31,13 +31,7 @@ class JsonLine {
   std::string of(const oi::SensorValues& values, const ReadingContext& context) const;
 
  private:
-  struct Item {
-    oi::PacketId packet{};
-    std::string key{};     // `,"voltage":`
-    std::string prefix{};  // `,"voltage`
-    bool is_bits = false;
-  };
-  std::vector<Item> items_{};
+  std::vector<oi::PacketId> packets_;
 };
 
 // One line per single packet.

@@ -61,6 +61,9 @@ Server::Server(const Parameters& parameters, const ServerOptions& options,
                             .speeds = device.truth().speeds,
                             .commanded = device.commanded(),
                             .mode = device.mode()});
+    newest_truth_.put({.time = device.now(),
+                       .pose = device.truth().pose,
+                       .speeds = device.truth().speeds});
     if (options_.on_tick) options_.on_tick(device);
   };
 }

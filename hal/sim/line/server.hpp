@@ -25,6 +25,7 @@
 #include "hal/sim/ring_buffer.hpp"
 #include "hal/sim/robot/device.hpp"
 #include "rt/clock.hpp"
+#include "rt/mailbox.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -46,6 +47,13 @@ struct TruthSample {
   WheelSpeeds speeds{};
   WheelSpeeds commanded{};
   oi::Mode mode = oi::Mode::off;
+};
+
+// Where it truly is, and how fast, as of its newest tick.
+struct NewestTruth {
+  rt::Duration time{};  // of the robot, since its power-on
+  WorldPose pose{};
+  WheelSpeeds speeds{};
 };
 
 struct ServerCounters {
@@ -87,6 +95,8 @@ class Server {
 
   // For any thread. These functions lock, and may wait for the server's thread to finish a step.
   Snapshot snapshot() const;
+  // From any thread, without a lock; nothing before the first tick.
+  std::optional<NewestTruth> newest_truth() const { return newest_truth_.get(); }
   // Appends the samples since the last call.
   void take_truth(std::vector<TruthSample>& samples);
   // Runs `change` on the device in its present state, between two events: bumps, cliffs, buttons, a
@@ -146,6 +156,7 @@ class Server {
   HostRateChange change_{};
   std::uint8_t last_sent_ = 0;
   RingBuffer<TruthSample> truth_;
+  rt::Mailbox<NewestTruth> newest_truth_{};
   ServerCounters counters_{};
   rt::TimePoint power_on_{};
   std::atomic<bool> stopping_{false};

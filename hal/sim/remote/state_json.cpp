@@ -1,12 +1,10 @@
 // The command `state` of the control socket.
 #include <algorithm>
 #include <array>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
-#include <utility>
 
+#include "hal/json_object.hpp"
 #include "hal/sim/drive_train/plants.hpp"
 #include "hal/sim/remote/control.hpp"
 #include "oi/value_names.hpp"
@@ -15,52 +13,23 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-// An object whose values are numbers, booleans, names without quotes in them, and objects.
-class JsonObject {
- public:
-  JsonObject& number(std::string_view key, double value) {
-    std::array<char, 48> text{};
-    const int length = std::snprintf(text.data(), text.size(), "%.3f", value);
-    return raw(key, {text.data(), static_cast<std::size_t>(length)});
-  }
-  JsonObject& integer(std::string_view key, std::uint64_t value) {
-    return raw(key, std::to_string(value));
-  }
-  JsonObject& truth(std::string_view key, bool value) { return raw(key, value ? "true" : "false"); }
-  JsonObject& text(std::string_view key, std::string_view value) {
-    return raw(key, "\"" + std::string{value} + "\"");
-  }
-  JsonObject& object(std::string_view key, JsonObject value) { return raw(key, value.take()); }
-  JsonObject& raw(std::string_view key, std::string_view value) {
-    text_ += text_.empty() ? "{\"" : ",\"";
-    text_ += key;
-    text_ += "\":";
-    text_ += value;
-    return *this;
-  }
-  std::string take() { return std::move(text_) + "}"; }
-
- private:
-  std::string text_;
-};
-
 JsonObject pose(const WorldPose& pose) {
   return JsonObject{}
-      .number("x_mm", pose.x_mm)
-      .number("y_mm", pose.y_mm)
-      .number("heading_deg", std::remainder(pose.heading_rad * 180.0 / std::numbers::pi, 360.0));
+      .thousandths("x_mm", pose.x_mm)
+      .thousandths("y_mm", pose.y_mm)
+      .thousandths("heading_deg", std::remainder(pose.heading_rad * 180.0 / std::numbers::pi, 360.0));
 }
 
 JsonObject speeds(WheelSpeeds speeds) {
-  return JsonObject{}.number("left", speeds.left_mm_s).number("right", speeds.right_mm_s);
+  return JsonObject{}.thousandths("left", speeds.left_mm_s).thousandths("right", speeds.right_mm_s);
 }
 
 JsonObject leds(const Actuators& actuators) {
   return JsonObject{}
       .truth(oi::name(oi::Led::play), actuators.lit(oi::Led::play))
       .truth(oi::name(oi::Led::advance), actuators.lit(oi::Led::advance))
-      .integer("power_color", actuators.leds.power_color)
-      .integer("power_intensity", actuators.leds.power_intensity);
+      .number("power_color", actuators.leds.power_color)
+      .number("power_intensity", actuators.leds.power_intensity);
 }
 
 JsonObject plant(const WheelParameters& wheels) {
@@ -78,8 +47,8 @@ JsonObject plant(const WheelParameters& wheels) {
 
 JsonObject load(const Device& device) {
   return JsonObject{}
-      .number("left", device.hardship(Side::left).load)
-      .number("right", device.hardship(Side::right).load);
+      .thousandths("left", device.hardship(Side::left).load)
+      .thousandths("right", device.hardship(Side::right).load);
 }
 
 JsonObject stuck(const Device& device) {
@@ -95,8 +64,8 @@ JsonObject pins(const Device& device) {
   return JsonObject{}
       .truth("charging", device.battery().charging())
       .truth("switched_5v", on)
-      .number("vpwr_mv", vpwr_mv)
-      .number("switched_vpwr_mv", on ? vpwr_mv : 0.0);
+      .thousandths("vpwr_mv", vpwr_mv)
+      .thousandths("switched_vpwr_mv", on ? vpwr_mv : 0.0);
 }
 
 // The settings of the drivers, and the currents.
@@ -114,21 +83,21 @@ JsonObject& low_side_drivers(JsonObject& state, const Device& device) {
 
 JsonObject counters(const DeviceCounters& device, const CableCounters& cable) {
   return JsonObject{}
-      .integer("bytes_received", device.bytes_received)
-      .integer("bytes_unheard", device.bytes_unheard)
-      .integer("bytes_overrun", device.bytes_overrun)
-      .integer("commands", device.commands)
-      .integer("commands_refused", device.commands_refused)
-      .integer("commands_out_of_range", device.commands_out_of_range)
-      .integer("unknown_opcodes", device.unknown_opcodes)
-      .integer("bytes_sent", device.bytes_sent)
-      .integer("bytes_lost", device.bytes_lost)
-      .integer("frames_sent", device.frames_sent)
-      .integer("safety_stops", device.safety_stops)
-      .integer("boots", device.boots)
-      .integer("robot_framing_errors", cable.robot_framing_errors)
-      .integer("host_framing_errors", cable.host_framing_errors)
-      .integer("host_overruns", cable.host_overruns);
+      .number("bytes_received", device.bytes_received)
+      .number("bytes_unheard", device.bytes_unheard)
+      .number("bytes_overrun", device.bytes_overrun)
+      .number("commands", device.commands)
+      .number("commands_refused", device.commands_refused)
+      .number("commands_out_of_range", device.commands_out_of_range)
+      .number("unknown_opcodes", device.unknown_opcodes)
+      .number("bytes_sent", device.bytes_sent)
+      .number("bytes_lost", device.bytes_lost)
+      .number("frames_sent", device.frames_sent)
+      .number("safety_stops", device.safety_stops)
+      .number("boots", device.boots)
+      .number("robot_framing_errors", cable.robot_framing_errors)
+      .number("host_framing_errors", cable.host_framing_errors)
+      .number("host_overruns", cable.host_overruns);
 }
 
 }  // namespace
@@ -139,10 +108,10 @@ std::string state_json(const Cable& cable) {
   const auto condition = device.last_safety_condition();
   JsonObject state;
   state.text("mode", oi::name(device.mode()))
-      .integer("baud", device.baud())
+      .number("baud", device.baud())
       .truth("powered", device.power() != Power::off)
       .truth("booting", device.power() == Power::booting)
-      .number("time_s", rt::seconds(device.now()))
+      .thousandths("time_s", rt::seconds(device.now()))
       .object("pose", pose(device.truth().pose))
       .object("wheel_mm_s", speeds(device.truth().speeds))
       .object("commanded_mm_s", speeds(device.commanded()))
@@ -151,18 +120,18 @@ std::string state_json(const Cable& cable) {
       .object("stuck", stuck(device))
       .object("leds", leds(actuators))
       .truth("song_playing", device.songs().playing())
-      .integer("note", device.sounding())
-      .integer("digital_out", actuators.digital_outputs);
+      .number("note", device.sounding())
+      .number("digital_out", actuators.digital_outputs);
   low_side_drivers(state, device)
       .raw("ir_sent", actuators.infrared_sent ? std::to_string(*actuators.infrared_sent) : "null")
-      .integer("script_bytes", device.script().size())
+      .number("script_bytes", device.script().size())
       .truth("waiting", device.waiting())
       .truth("demo_running", device.demos().running())
-      .integer("charging_state", static_cast<std::uint64_t>(device.battery().state()))
-      .number("battery_mah", device.battery().charge_mah())
+      .number("charging_state", static_cast<std::uint64_t>(device.battery().state()))
+      .thousandths("battery_mah", device.battery().charge_mah())
       .text("battery_pack", name(device.battery().pack()))
       .object("pins", pins(device))
-      .integer("stream_packets", device.stream().packets().size())
+      .number("stream_packets", device.stream().packets().size())
       .truth("streaming", device.stream().running())
       .text("brc", device.brc_high() ? "high" : "low")
       .raw("last_hazard", condition ? "\"" + std::string{name(*condition)} + "\"" : "null")

@@ -1,0 +1,246 @@
+#include "hal/feed/feed.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <ctime>
+#include <utility>
+
+#include "hal/feed/feed_place.hpp"
+#include "hal/file/left_behind.hpp"
+#include "hal/machine/masked_thread.hpp"
+#include "oi/limits.hpp"
+
+namespace cargobay::hal {
+
+namespace {
+
+constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
+// Who may connect: the owner; in the folder of a service also its group.
+constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
+
+}  // namespace
+
+Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
+  const auto folder = feed_folder();
+  if (!folder) return folder.failure();
+  Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
+  if (wake.number() < 0) {
+    const std::error_code code{errno, std::generic_category()};
+    return Failure{.message = "no eventfd for the feed: " + code.message() + "; " +
+                              remedy_for(code.value(), "free some memory"),
+                   .code = code};
+  }
+  auto listener = UnixListener::open(*folder + "/" + feed_name(options.of.port), kSocketRights);
+  if (!listener) return listener.failure();
+  options.of.lease = FeedDesk::kLease;
+  options.of.steerable = static_cast<bool>(options.steering.drive);
+  std::unique_ptr<Feed> feed{
+      new Feed{std::move(options), std::move(*listener), std::move(wake)}};
+  if (const auto error = start_masked(feed->thread_, [feed = feed.get()] { feed->run(); })) {
+    return Failure{.message = "no thread for the feed: " + error.message() +
+                              "; raise the limit of processes (ulimit -u)",
+                   .code = error};
+  }
+  return feed;
+}
+
+Feed::Feed(FeedOptions options, UnixListener listener, Descriptor wake)
+    : options_{std::move(options)},
+      tap_{std::make_unique<FeedTap>()},
+      listener_{std::move(listener)},
+      wake_{std::move(wake)},
+      desk_{options_.steering, options_.of.wheel_base_mm},
+      reports_{{.tap = tap_.get(), .create = options_.create, .world = options_.world}} {}
+
+Feed::~Feed() {
+  stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
+  wake();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Feed::wake() const {
+  const std::uint64_t one = 1;
+  (void)!::write(wake_.number(), &one, sizeof one);  // even if the counter is full, this wakes
+}
+
+void Feed::follow(Robot& robot) {
+  const std::lock_guard lock{mutex_};
+  robot_ = &robot;
+}
+
+void Feed::leave() {
+  const std::lock_guard lock{mutex_};
+  robot_ = nullptr;
+}
+
+void Feed::report(const std::string& stage, const std::string& text) {
+  {
+    const std::lock_guard lock{mutex_};
+    stage_ = stage;
+    text_ = text;
+  }
+  wake();
+}
+
+void Feed::run() {
+  rt::TimePoint next_tick{};
+  std::vector<pollfd> sources;
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    rt::TimePoint now = rt::Clock::now();
+    rt::TimePoint until = rt::TimePoint::max();
+    if (!clients_.empty()) until = next_tick;
+    if (desk_.lease().until()) until = std::min(until, *desk_.lease().until());
+    const bool paused = now < accept_again_;
+    if (paused) until = std::min(until, accept_again_);
+    sources = {{.fd = wake_.number(), .events = POLLIN, .revents = 0},
+               {.fd = paused ? -1 : listener_.descriptor(), .events = POLLIN, .revents = 0}};
+    for (const auto& client : clients_)
+      sources.push_back({.fd = client->descriptor(), .events = client->events(), .revents = 0});
+    const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
+    const bool forever = until == rt::TimePoint::max();
+    if (ppoll(sources.data(), sources.size(), forever ? nullptr : &timeout, nullptr) < 0)
+      for (pollfd& source : sources) source.revents = 0;
+    now = rt::Clock::now();
+    if (sources[0].revents != 0) {
+      std::uint64_t count = 0;
+      (void)!::read(wake_.number(), &count, sizeof count);
+      tell_status();
+    }
+    serve(sources, now);
+    desk_.expire(now);
+    tell_holder();
+    if (now >= next_tick && !clients_.empty()) {
+      next_tick = std::max(next_tick + oi::kTick, now);
+      collect(now);
+    }
+    if (sources[1].revents != 0) accept_client(now);
+  }
+  {
+    const std::lock_guard lock{mutex_};
+    stage_ = "ended";
+  }
+  for (const auto& client : clients_) desk_.leave(client->number());
+  tell_status();
+  clients_.clear();
+}
+
+// Takes what the clients have sent, and drops those that are gone.
+void Feed::serve(const std::vector<pollfd>& sources, rt::TimePoint now) {
+  std::vector<std::uint64_t> gone;
+  for (std::size_t i = 0; i < clients_.size() && i + 2 < sources.size(); ++i) {
+    FeedConnection& client = *clients_[i];
+    const short events = sources[i + 2].revents;
+    bool there = true;
+    if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
+      there = client.receive([&](std::string_view line) {
+        if (const auto answer = desk_.hear(client, line, now)) tell_one(client, *answer);
+      });
+    }
+    if (!there || !client.flush()) gone.push_back(client.number());
+  }
+  for (const std::uint64_t number : gone) remove(number);
+}
+
+void Feed::remove(std::uint64_t number) {
+  desk_.leave(number);
+  std::erase_if(clients_, [&](const auto& client) {
+    if (client->number() != number) return false;
+    missed_before_ += client->missed();
+    return true;
+  });
+  accept_again_ = {};  // its descriptor is free now
+}
+
+void Feed::accept_client(rt::TimePoint now) {
+  Descriptor socket = listener_.accept();
+  if (socket.number() < 0) {
+    const bool retry = errno == EAGAIN || errno == EINTR || errno == ECONNABORTED;
+    if (!retry) accept_again_ = now + kRefusalPause;
+    return;
+  }
+  auto client = std::make_unique<FeedConnection>(std::move(socket), ++connected_);
+  if (clients_.size() >= kMostClients) {
+    tell_one(*client, R"({"type":"answer","id":null,"ok":false,"error":")" +
+                          std::to_string(kMostClients) +
+                          R"( programs are connected, which is the most; end one"})");
+    (void)client->flush();
+    return;
+  }
+  if (clients_.empty()) reports_.skip();
+  JsonObject hello = message(FeedType::hello, sequence_);
+  put_hello(hello, options_.of);
+  tell_one(*client, hello.take());
+  const FeedOutlet to_one{
+      .begin = [this](FeedType type) { return message(type, sequence_); },
+      .tell = [&](FeedType, JsonObject message) { tell_one(*client, message.take()); }};
+  {
+    const std::lock_guard lock{mutex_};
+    JsonObject status = message(FeedType::status, sequence_);
+    put_status(status, stage_, text_);
+    tell_one(*client, status.take());
+    reports_.greet(robot_, readers(), to_one);
+  }
+  JsonObject holder = message(FeedType::holder, sequence_);
+  put_holder(holder, desk_.lease().name());
+  tell_one(*client, holder.take());
+  (void)client->flush();  // one that is gone is noticed when it is polled
+  clients_.push_back(std::move(client));
+}
+
+void Feed::tell_one(FeedConnection& client, const std::string& message) {
+  client.put({.type = FeedType::answer,
+              .line = std::make_shared<const std::string>(message + "\n")});
+}
+
+void Feed::tell_all(FeedType type, JsonObject message) {
+  const FeedMessage all{.type = type,
+                        .line = std::make_shared<const std::string>(message.take() + "\n")};
+  for (const auto& client : clients_) client->put(all);
+}
+
+void Feed::collect(rt::TimePoint now) {
+  const FeedOutlet to_all{
+      .begin = [this](FeedType type) { return message(type, ++sequence_); },
+      .tell = [this](FeedType type, JsonObject message) { tell_all(type, std::move(message)); }};
+  {
+    const std::lock_guard lock{mutex_};
+    reports_.collect(robot_, readers(), now, to_all);
+  }
+  std::vector<std::uint64_t> gone;
+  for (const auto& client : clients_) {
+    if (!client->flush()) gone.push_back(client->number());
+  }
+  for (const std::uint64_t number : gone) remove(number);
+}
+
+void Feed::tell_status() {
+  JsonObject status = message(FeedType::status, ++sequence_);
+  {
+    const std::lock_guard lock{mutex_};
+    put_status(status, stage_, text_);
+  }
+  tell_all(FeedType::status, std::move(status));
+  for (const auto& client : clients_) (void)client->flush();
+}
+
+void Feed::tell_holder() {
+  if (desk_.lease().name() == told_holder_) return;
+  told_holder_ = desk_.lease().name();
+  JsonObject holder = message(FeedType::holder, ++sequence_);
+  put_holder(holder, told_holder_);
+  tell_all(FeedType::holder, std::move(holder));
+}
+
+FeedReports::Readers Feed::readers() const {
+  std::uint64_t missed = missed_before_;
+  for (const auto& client : clients_) missed += client->missed();
+  return {.clients = clients_.size(), .missed = missed};
+}
+
+}  // namespace cargobay::hal

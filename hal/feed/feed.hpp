@@ -1,0 +1,95 @@
+// Publishes what a driving process knows, for others on this machine (docs/feed.md): a Unix socket
+// by the port's name, served by an ordinary thread. The loop leaves what it has in rings and knows
+// nothing of it; while nobody reads, the thread sleeps.
+#pragma once
+
+#include <poll.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/feed/feed_connection.hpp"
+#include "hal/feed/feed_desk.hpp"
+#include "hal/feed/feed_reports.hpp"
+#include "hal/feed/message/messages.hpp"
+#include "hal/file/descriptor.hpp"
+#include "hal/file/unix_listener.hpp"
+#include "hal/result.hpp"
+#include "rt/clock.hpp"
+
+namespace cargobay::hal {
+
+struct FeedOptions {
+  FeedIdentity of{};
+  FeedSteering steering{};
+  sim::Server* create = nullptr;      // that is driven, or null; outlives the feed
+  const sim::World* world = nullptr;  // likewise
+};
+
+class Feed {
+ public:
+  static constexpr std::size_t kMostClients = 64;
+
+  // Listens, and starts the thread. Blocks for the file system; allocates. After a failure nothing
+  // is left; its message says what to do.
+  static Result<std::unique_ptr<Feed>> open(FeedOptions options);
+  // Tells the readers that it has ended, and removes the socket. Whoever steers no longer does.
+  ~Feed();
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
+  // For RobotOptions, and to be locked with the loop's memory. Valid as long as this object.
+  FeedTap& tap() { return *tap_; }
+  const std::string& socket() const { return listener_.path(); }
+
+  // The functions below are for any thread. They lock, and wait for a message being made.
+
+  // Tells of this robot until leave(), which comes before the robot's end.
+  void follow(Robot& robot);
+  void leave();
+  // For people: `stage` is one of docs/feed.md.
+  void report(const std::string& stage, const std::string& text);
+
+ private:
+  Feed(FeedOptions options, UnixListener listener, Descriptor wake);
+
+  void run();
+  void serve(const std::vector<pollfd>& sources, rt::TimePoint now);
+  void accept_client(rt::TimePoint now);
+  void remove(std::uint64_t number);
+  static void tell_one(FeedConnection& client, const std::string& message);
+  void tell_all(FeedType type, JsonObject message);
+  void collect(rt::TimePoint now);
+  void tell_status();
+  void tell_holder();
+  FeedReports::Readers readers() const;
+  void wake() const;
+
+  FeedOptions options_;
+  std::unique_ptr<FeedTap> tap_;  // a block of its own, to be locked
+  UnixListener listener_;
+  Descriptor wake_;  // an eventfd: ends the thread's sleep
+  // Belong to the thread.
+  FeedDesk desk_;
+  FeedReports reports_;
+  std::vector<std::unique_ptr<FeedConnection>> clients_{};
+  std::optional<std::string> told_holder_{};
+  std::uint64_t sequence_ = 0;      // of the newest message
+  std::uint64_t connected_ = 0;     // clients, ever
+  std::uint64_t missed_before_ = 0;  // by clients that are gone
+  rt::TimePoint accept_again_{};    // descriptors ran out: accept none before this time
+  // Shared with those who call.
+  std::mutex mutex_;
+  Robot* robot_ = nullptr;
+  std::string stage_ = "bring_up";
+  std::string text_{};
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,77 @@
+// One reader of a feed: what waits for it, and what it asks. Nothing here blocks.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hal/feed/message/messages.hpp"
+#include "hal/file/descriptor.hpp"
+
+namespace cargobay::hal {
+
+// One message for all readers: a line with its end.
+struct FeedMessage {
+  FeedType type = FeedType::hello;
+  std::shared_ptr<const std::string> line{};
+};
+
+// What a reader wants to get.
+struct FeedChoice {
+  std::bitset<kFeedTypes> types = std::bitset<kFeedTypes>{}.set();
+  std::uint32_t every = 1;  // of state, sensors and truth
+};
+
+// One thread.
+class FeedConnection {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{256} << 10U;  // that wait
+  static constexpr std::size_t kLongestLine = 4096;
+
+  explicit FeedConnection(Descriptor socket, std::uint64_t number)
+      : socket_{std::move(socket)}, number_{number} {}
+
+  int descriptor() const { return socket_.number(); }
+  std::uint64_t number() const { return number_; }
+  // What to poll for.
+  short events() const;
+
+  void choose(const FeedChoice& choice) { choice_ = choice; }
+  // Puts the message behind those that wait, unless this reader has not chosen it. If there is no
+  // more room, the oldest make way: readings first, then news, and answers last.
+  void put(const FeedMessage& message);
+  // What its drops add up to.
+  std::uint64_t missed() const { return missed_; }
+
+  // Sends what the reader takes. False if it is gone.
+  bool flush();
+  // Reads what is there and calls `hear` with each whole line, without its end. False if the reader
+  // is gone, or sent a line that is too long.
+  bool receive(const std::function<void(std::string_view line)>& hear);
+
+ private:
+  bool is_chosen(FeedType type);
+  void make_room();
+  void tell_missed();
+  void sent(std::size_t bytes);
+
+  Descriptor socket_;
+  std::uint64_t number_;
+  FeedChoice choice_{};
+  std::array<std::uint32_t, kFeedTypes> passed_{};  // of each type, since one was chosen
+  std::deque<FeedMessage> waiting_{};
+  std::size_t waiting_bytes_ = 0;
+  std::size_t sent_of_first_ = 0;  // bytes
+  std::uint64_t untold_ = 0;       // dropped since the reader was last told
+  std::uint64_t missed_ = 0;
+  std::string received_{};
+};
+
+}  // namespace cargobay::hal

@@ -1,0 +1,122 @@
+#include "hal/feed/feed_place.hpp"
+
+#include <dirent.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "hal/file/unix_listener.hpp"
+
+namespace cargobay::hal {
+
+namespace {
+
+constexpr mode_t kOwnersAlone = S_IRWXU;
+
+std::optional<std::string> environment(const char* name) {
+  const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): only read
+  if (value == nullptr || *value == '\0') return std::nullopt;
+  return value;
+}
+
+std::string folder_in_tmp(uid_t user) { return "/tmp/cargobay-" + std::to_string(user); }
+
+// Of this user or root, and no other may write to it.
+bool is_trustworthy(const std::string& folder) {
+  struct stat status{};
+  if (lstat(folder.c_str(), &status) != 0) return false;
+  return S_ISDIR(status.st_mode) && (status.st_uid == geteuid() || status.st_uid == 0) &&
+         (status.st_mode & S_IWOTH) == 0;
+}
+
+bool can_write(const std::string& folder) {
+  return is_trustworthy(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
+// In the order of preference; made by whoever publishes there.
+std::vector<std::string> own_folders() {
+  std::vector<std::string> folders;
+  if (auto named = environment("CARGOBAY_FEED_DIR")) return {*named};
+  // Of several folders, systemd puts colons between.
+  if (auto of_service = environment("RUNTIME_DIRECTORY"))
+    folders.push_back(of_service->substr(0, of_service->find(':')));
+  if (auto of_user = environment("XDG_RUNTIME_DIR")) folders.push_back(*of_user + "/cargobay");
+  if (geteuid() == 0) folders.emplace_back("/run/cargobay");
+  folders.push_back(folder_in_tmp(geteuid()));
+  return folders;
+}
+
+std::vector<std::string> folders_to_search() {
+  std::vector<std::string> folders = own_folders();
+  if (folders.size() == 1) return folders;  // named
+  for (const std::string& other : {std::string{"/run/cargobay"}, folder_in_tmp(0)}) {
+    if (std::ranges::find(folders, other) == folders.end()) folders.push_back(other);
+  }
+  return folders;
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  const std::unique_ptr<DIR, int (*)(DIR*)> listing{opendir(folder.c_str()), closedir};
+  if (!listing) return names;
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the listing is this thread's own
+  while (const dirent* entry = readdir(listing.get())) {
+    if (entry->d_name[0] != '.') names.emplace_back(entry->d_name);
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+}  // namespace
+
+std::string feed_name(const std::string& port) {
+  const std::unique_ptr<char, void (*)(void*)> resolved{realpath(port.c_str(), nullptr),
+                                                        std::free};
+  std::string name = resolved ? resolved.get() : port;
+  if (name.starts_with('/')) name.erase(0, 1);
+  std::ranges::replace(name, '/', '-');
+  return name;
+}
+
+Result<std::string> feed_folder() {
+  for (const std::string& folder : own_folders()) {
+    if (mkdir(folder.c_str(), kOwnersAlone) != 0 && errno != EEXIST) continue;
+    if (can_write(folder)) return folder;
+  }
+  return Failure{.message = "no folder for the feed: " + own_folders().back() +
+                            " is not this user's, or others may write to it; remove it, or name "
+                            "a folder in CARGOBAY_FEED_DIR",
+                 .code = std::make_error_code(std::errc::permission_denied)};
+}
+
+bool is_trusted_peer(int socket) {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return false;
+  return peer.uid == geteuid() || peer.uid == 0;
+}
+
+std::vector<FoundFeed> find_feeds() {
+  std::vector<FoundFeed> feeds;
+  for (const std::string& folder : folders_to_search()) {
+    if (!is_trustworthy(folder) && folder != "/run/cargobay") continue;
+    for (const std::string& name : names_in(folder)) {
+      const std::string path = folder + "/" + name;
+      struct stat status{};
+      if (lstat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) continue;
+      const Descriptor socket = connect_to(path);
+      if (socket.number() >= 0) feeds.push_back({.name = name, .socket = path});
+    }
+  }
+  return feeds;
+}
+
+}  // namespace cargobay::hal

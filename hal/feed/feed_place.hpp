@@ -1,0 +1,29 @@
+// Where the feed of a port is (docs/feed.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/result.hpp"
+
+namespace cargobay::hal {
+
+// The socket's name: the port's path, its links resolved, without the first slash, others as `-`.
+std::string feed_name(const std::string& port);
+
+// The folder for feeds of this process, made if need be. A failure says which folder could not be
+// used and what to do. Reads the environment; blocks for the file system.
+Result<std::string> feed_folder();
+
+// Whether what is at the other end of a Unix socket is a process of this user or of root.
+bool is_trusted_peer(int socket);
+
+struct FoundFeed {
+  std::string name{};  // of the port, as feed_name() makes it
+  std::string socket{};
+};
+// The feeds that a process of this user or of root publishes now, in the order of the folders;
+// those of dead processes are left out.
+std::vector<FoundFeed> find_feeds();
+
+}  // namespace cargobay::hal

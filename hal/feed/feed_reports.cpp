@@ -1,0 +1,131 @@
+#include "hal/feed/feed_reports.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/feed/world_messages.hpp"
+#include "hal/robot/robot.hpp"
+#include "hal/sim/remote/control.hpp"
+
+namespace cargobay::hal {
+
+namespace {
+
+constexpr rt::Duration kSecond = std::chrono::seconds{1};
+
+// On the system's clock, which may be set meanwhile.
+double unix_time_s(rt::TimePoint time) {
+  const auto age = rt::Clock::now() - time;
+  const auto then = std::chrono::system_clock::now() - age;
+  return std::chrono::duration<double>{then.time_since_epoch()}.count();
+}
+
+void tell_sensors(Robot& robot, std::int64_t tick, const FeedOutlet& to) {
+  JsonObject message = to.begin(FeedType::sensors);
+  put_sensors(message, robot.cycle().sensors(), tick);
+  to.tell(FeedType::sensors, std::move(message));
+}
+
+void tell_statistics(Robot& robot, const FeedReports::Readers& readers, const FeedOutlet& to) {
+  const ControlCycle& cycle = robot.cycle();
+  const auto period_ns = std::make_unique<rt::Histogram>(cycle.period_ns().snapshot());
+  const auto frame_to_command_ns =
+      std::make_unique<rt::Histogram>(cycle.frame_to_command_ns().snapshot());
+  JsonObject message = to.begin(FeedType::statistics);
+  put_statistics(message, {.cycle = cycle.counters(),
+                           .period_ns = period_ns.get(),
+                           .frame_to_command_ns = frame_to_command_ns.get(),
+                           .clients = readers.clients,
+                           .missed = readers.missed});
+  to.tell(FeedType::statistics, std::move(message));
+}
+
+void tell_create(sim::Server& create, const FeedOutlet& to) {
+  std::string state;
+  create.with_cable([&state](sim::Cable& cable) { state = sim::state_json(cable); });
+  JsonObject message = to.begin(FeedType::virtual_create);
+  message.raw("state", state);
+  to.tell(FeedType::virtual_create, std::move(message));
+}
+
+}  // namespace
+
+void FeedReports::collect(Robot* robot, const Readers& readers, rt::TimePoint now,
+                          const FeedOutlet& to) {
+  tell_states(robot, told_, to);
+  tell_events(told_, to);
+  tell_truth(told_, to);
+  if (now < next_second_) return;
+  next_second_ = now + kSecond;
+  tell_second(robot, readers, to);
+}
+
+void FeedReports::greet(Robot* robot, const Readers& readers, const FeedOutlet& to) const {
+  if (of_.create != nullptr) {
+    JsonObject controls = to.begin(FeedType::controls);
+    put_controls(controls);
+    to.tell(FeedType::controls, std::move(controls));
+  }
+  if (of_.world != nullptr) {
+    JsonObject world = to.begin(FeedType::world);
+    put_world(world, *of_.world);
+    to.tell(FeedType::world, std::move(world));
+  }
+  Told none;
+  tell_events(none, to);
+  if (of_.tap != nullptr) none.state = std::max<std::int64_t>(of_.tap->states().last() - 1, 0);
+  tell_states(robot, none, to);
+  tell_truth(none, to);
+  tell_second(robot, readers, to);
+}
+
+void FeedReports::skip() {
+  if (of_.tap == nullptr) return;
+  told_.state = of_.tap->states().last();
+  told_.event = of_.tap->events().last();
+}
+
+void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) const {
+  if (of_.tap == nullptr) return;
+  while (const auto entry = of_.tap->states().next(told.state)) {
+    told.state = entry->number;
+    const CycleState& state = entry->value;
+    JsonObject message = to.begin(FeedType::state);
+    put_state(message, state, unix_time_s(state.arrival));
+    to.tell(FeedType::state, std::move(message));
+    // The board has only the newest.
+    const bool newest = entry->number == of_.tap->states().last();
+    if (robot != nullptr && newest) tell_sensors(*robot, state.tick, to);
+  }
+}
+
+void FeedReports::tell_events(Told& told, const FeedOutlet& to) const {
+  if (of_.tap == nullptr) return;
+  while (const auto entry = of_.tap->events().next(told.event)) {
+    told.event = entry->sequence;
+    JsonObject message = to.begin(FeedType::event);
+    put_entry(message, *entry);
+    to.tell(FeedType::event, std::move(message));
+  }
+}
+
+void FeedReports::tell_truth(Told& told, const FeedOutlet& to) const {
+  if (of_.create == nullptr) return;
+  const auto truth = of_.create->newest_truth();
+  if (!truth || truth->time.count() == told.truth_ns) return;
+  told.truth_ns = truth->time.count();
+  JsonObject message = to.begin(FeedType::truth);
+  put_truth(message, *truth);
+  to.tell(FeedType::truth, std::move(message));
+}
+
+void FeedReports::tell_second(Robot* robot, const Readers& readers, const FeedOutlet& to) const {
+  if (robot != nullptr) tell_statistics(*robot, readers, to);
+  if (of_.create != nullptr) tell_create(*of_.create, to);
+}
+
+}  // namespace cargobay::hal
