@@ -16,6 +16,7 @@
 #include "hal/cli/connect/bring_up_report.hpp"
 #include "hal/cli/connect/findings.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/connect/published.hpp"
 #include "hal/cli/connect/sim_options.hpp"
 #include "hal/cli/drawing/picture.hpp"
 #include "hal/cli/drive/drive_display.hpp"
@@ -123,8 +124,9 @@ int conclude(const DriveReport& report, const DriveOptions& options,
 class Drive {
  public:
   Drive(const DriveOptions& options, const Profile& profile, hal::sim::Server* server,
-        StopSignals& signals, Outputs& outputs)
+        const Published& published, StopSignals& signals, Outputs& outputs)
       : options_{options},
+        published_{published},
         signals_{signals},
         links_{server},
         display_{fmt::format("{}, {} loop", options.profile, options.open_loop ? "open" : "closed"),
@@ -170,6 +172,7 @@ class Drive {
       grant_ = *grant;
       ending.signal = follow(*robot);
       ending.farewell = robot->stop();
+      published_.leave("the drive has ended, or waits for its robot");
       links_.end_link();
       display_.print_events();
       if (recording_) recording_->end_link(*robot, links_);
@@ -199,6 +202,7 @@ class Drive {
     if (!grant) return grant;
     if (recording_) recording_->publish();
     links_.begin_link(robot);
+    published_.follow(robot);
     if (links_.reconnects() > 0)
       print_remark(fmt::format("back after {:.1f} s", rt::seconds(links_.latest_without())));
     return grant;
@@ -231,6 +235,7 @@ class Drive {
   }
 
   const DriveOptions& options_;
+  const Published& published_;
   StopSignals& signals_;
   DriveLinks links_;
   DriveDisplay display_;
@@ -326,6 +331,10 @@ int drive(const DriveOptions& options) {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
     return early_signal.has_value();
   };
+  const Published published =
+      options.no_feed ? Published{}
+                      : Published{"cargobay drive", *chosen, *config->baud, wanted};
+  published.attach_to(wanted);
   const auto again = reconnect_request(options, *chosen, *config->baud, wanted);
   if (!again) return fail(again.failure());
   auto stream = open_for_use(chosen->port, *config->baud);
@@ -341,7 +350,7 @@ int drive(const DriveOptions& options) {
   auto opened = bring_up(std::move(*stream), wanted);
   if (early_signal) return kSignalled + *early_signal;  // the robot stands still, or was told to
   if (!opened) return fail(opened.failure());
-  Drive driving{options, *profile, server, signals, outputs};
+  Drive driving{options, *profile, server, published, signals, outputs};
   const auto ending = driving.run(std::move(*opened), *again);
   if (!ending) return fail(ending.failure());
   if (!ending->not_kept.empty()) print_remark(ending->not_kept);

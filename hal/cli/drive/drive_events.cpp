@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/feed/message/event_json.hpp"
-#include "oi/limits.hpp"
 #include "oi/value_names.hpp"
 
 namespace cargobay::cli {
@@ -15,10 +14,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::int64_t kTicksAround = 8;
-
-double robot_time_s(std::int64_t tick) {
-  return static_cast<double>(tick) * rt::seconds(oi::kTick);
-}
 
 Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states) {
   Json around = Json::array();
@@ -39,7 +34,7 @@ Json states_around(std::int64_t tick, const std::vector<hal::CycleState>& states
 }  // namespace
 
 std::string line(const hal::Event& event) {
-  return fmt::format("{:8.3f} s  {}\n", robot_time_s(event.tick), hal::describe(event));
+  return fmt::format("{:8.3f} s  {}\n", hal::robot_time_s(event.tick), hal::describe(event));
 }
 
 std::string json(std::span<const hal::Event> events, const std::vector<hal::CycleState>& states) {

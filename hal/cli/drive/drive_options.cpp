@@ -109,6 +109,9 @@ void add_realtime_options(CLI::App& command, DriveOptions& options) {
       ->capture_default_str();
   command.add_flag("--no-guard", options.no_guard,
                    "Drive without the guard process: if this program dies the wheels keep turning");
+  command.add_flag("--no-feed", options.no_feed,
+                   "Do not publish what the drive knows; otherwise `cargobay sensors`, `top` and "
+                   "others can watch it");
   command.add_flag("--boost-kworkers", options.boost_kworkers,
                    "Give the kernel threads that hand over the port's bytes a real-time priority "
                    "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");

@@ -33,6 +33,7 @@ struct DriveOptions {
   bool no_guard = false;
   double guard_deadline_ms = 150.0;
   bool boost_kworkers = false;
+  bool no_feed = false;
   std::optional<int> priority{};
   std::optional<int> cpu{};
   std::string reconnect;  // seconds to wait for a lost port; empty: not at all

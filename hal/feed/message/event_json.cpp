@@ -37,6 +37,13 @@ std::string json_of(oi::BitSet<oi::Overcurrent> overcurrents) {
 
 }  // namespace
 
+// In whole milliseconds, which have few digits.
+double robot_time_s(std::int64_t tick) {
+  static_assert(oi::kTick % std::chrono::milliseconds{1} == std::chrono::nanoseconds{0});
+  constexpr std::int64_t kTickMs = oi::kTick / std::chrono::milliseconds{1};
+  return static_cast<double>(tick * kTickMs) / 1000.0;
+}
+
 JsonObject json_of(const rt::WheelSpeeds& speeds) {
   JsonObject object;
   object.number("left", speeds.left_mm_s).number("right", speeds.right_mm_s);
@@ -52,7 +59,7 @@ std::string json_of(Bumps bumps) {
 void put_event(JsonObject& object, const Event& event) {
   object.text("what", name(event.what))
       .number("tick", event.tick)
-      .number("time_s", static_cast<double>(event.tick) * rt::seconds(oi::kTick))
+      .number("time_s", robot_time_s(event.tick))
       .text("text", describe(event));
   switch (payload(event.what)) {
     case Payload::nothing: break;

@@ -19,8 +19,6 @@ constexpr std::array<std::string_view, kFeedTypes> kTypeNames{
     "hello",          "status", "state",    "sensors", "event",  "statistics", "truth",
     "virtual_create", "world",  "controls", "holder",  "missed", "answer"};
 
-double robot_time(std::int64_t tick) { return static_cast<double>(tick) * rt::seconds(oi::kTick); }
-
 std::string_view belief_name(rt::RemainderBelief belief) {
   switch (belief) {
     case rt::RemainderBelief::unknown: break;
@@ -123,7 +121,7 @@ void put_status(JsonObject& message, std::string_view stage, std::string_view te
 
 void put_state(JsonObject& message, const CycleState& state, double unix_time_s) {
   message.number("tick", state.tick)
-      .number("time_s", robot_time(state.tick))
+      .number("time_s", robot_time_s(state.tick))
       .number("unix_time_s", unix_time_s)
       .text("mode", oi::name(state.mode))
       .object("target_mm_s", json_of(state.target))
@@ -146,7 +144,7 @@ void put_state(JsonObject& message, const CycleState& state, double unix_time_s)
 }
 
 void put_sensors(JsonObject& message, const SensorReadings& readings, std::int64_t tick) {
-  message.number("tick", tick).number("time_s", robot_time(tick));
+  message.number("tick", tick).number("time_s", robot_time_s(tick));
   std::string packets;
   for (std::size_t id = 0; id < SensorReadings::kSlots; ++id) {
     if (readings.tick[id] == SensorReadings::kNever) continue;
