@@ -45,7 +45,9 @@ class JsonObject {
     return raw(key, {text.data(), static_cast<std::size_t>(length)});
   }
   JsonObject& truth(std::string_view key, bool value) { return raw(key, value ? "true" : "false"); }
-  JsonObject& text(std::string_view key, std::string_view value) { return raw(key, json_text(value)); }
+  JsonObject& text(std::string_view key, std::string_view value) {
+    return raw(key, json_text(value));
+  }
   JsonObject& object(std::string_view key, JsonObject value) { return raw(key, value.take()); }
   // `value` is JSON.
   JsonObject& raw(std::string_view key, std::string_view value) {

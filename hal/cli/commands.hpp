@@ -29,5 +29,6 @@ void add_encode(CLI::App& app, Action& chosen);
 void add_decode(CLI::App& app, Action& chosen);
 void add_send(CLI::App& app, Action& chosen);
 void add_sim(CLI::App& app, Action& chosen);
+void add_serve(CLI::App& app, Action& chosen);
 
 }  // namespace cargobay::cli

@@ -332,8 +332,7 @@ int drive(const DriveOptions& options) {
     return early_signal.has_value();
   };
   const Published published =
-      options.no_feed ? Published{}
-                      : Published{"cargobay drive", *chosen, *config->baud, wanted};
+      options.no_feed ? Published{} : Published{"cargobay drive", *chosen, *config->baud, wanted};
   published.attach_to(wanted);
   const auto again = reconnect_request(options, *chosen, *config->baud, wanted);
   if (!again) return fail(again.failure());

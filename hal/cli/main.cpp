@@ -53,6 +53,7 @@ void add_commands(CLI::App& app, cli::Action& chosen) {
   cli::add_doctor(app, chosen);
   cli::add_jitter(app, chosen);
   cli::add_sim(app, chosen);
+  cli::add_serve(app, chosen);
   cli::add_sensors(app, chosen);
   cli::add_budget(app, chosen);
   cli::add_send(app, chosen);

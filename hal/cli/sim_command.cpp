@@ -34,7 +34,7 @@ namespace {
 
 constexpr std::size_t kMostRobots = 100;
 
-struct ServeOptions {
+struct SimulatorOptions {
   SimOptions sim{};
   std::string link;
   std::string control;
@@ -75,7 +75,7 @@ std::string numbered(const std::string& path, std::size_t index, std::size_t cou
 std::string trace_key(std::size_t index) { return fmt::format("--trace of robot {}", index); }
 
 // The earliest first; those of the same moment in the order given.
-std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
+std::vector<PlannedFault> planned_faults(const SimulatorOptions& options) {
   std::vector<PlannedFault> faults;
   for (const std::string& text : options.faults) {
     PlannedFault fault = *parse_fault(text);  // already checked: it parses
@@ -88,7 +88,7 @@ std::vector<PlannedFault> planned_faults(const ServeOptions& options) {
 }
 
 // No trace may overwrite the robots' other files.
-void protect_places(const ServeOptions& options, Outputs& outputs) {
+void protect_places(const SimulatorOptions& options, Outputs& outputs) {
   outputs.protect("the world", options.world);
   for (std::size_t i = 0; i < options.count; ++i) {
     outputs.protect("the place of --link", numbered(options.link, i, options.count));
@@ -102,7 +102,8 @@ struct Surroundings {
   hal::sim::Bodies bodies{};
 };
 
-void put_into(Surroundings& surroundings, const ServeOptions& options, hal::sim::Device& device) {
+void put_into(Surroundings& surroundings, const SimulatorOptions& options,
+              hal::sim::Device& device) {
   if (options.together) {
     hal::sim::inhabit(device, surroundings.world, surroundings.bodies, surroundings.bodies.enter());
   } else if (!options.world.empty()) {
@@ -111,8 +112,8 @@ void put_into(Surroundings& surroundings, const ServeOptions& options, hal::sim:
 }
 
 // Opens the robot's port and control socket; nothing runs yet.
-hal::Result<void> open(const ServeOptions& options, std::size_t index, Surroundings& surroundings,
-                       Outputs& outputs, Served& robot) {
+hal::Result<void> open(const SimulatorOptions& options, std::size_t index,
+                       Surroundings& surroundings, Outputs& outputs, Served& robot) {
   hal::sim::ServerOptions server_options{.link = numbered(options.link, index, options.count),
                                          .priority = options.priority,
                                          .batch_bytes = options.batch_bytes};
@@ -159,7 +160,8 @@ std::error_code start(std::vector<Served>& robots) {
 }
 
 // Serves until a signal comes.
-void serve(StopSignals& signals, std::vector<PlannedFault> faults, std::vector<Served>& robots) {
+void serve_until_signal(StopSignals& signals, std::vector<PlannedFault> faults,
+                        std::vector<Served>& robots) {
   const rt::TimePoint begin = rt::Clock::now();
   std::reverse(faults.begin(), faults.end());  // so that the next is the last
   for (;;) {
@@ -188,7 +190,7 @@ int write_traces(const hal::sim::World& world, const std::vector<Served>& robots
   return result;
 }
 
-int run(const ServeOptions& options) {
+int simulate(const SimulatorOptions& options) {
   StopSignals signals;
   if (!oi::kCreate.baud_code(options.boot_baud).has_value()) {
     return fail(fmt::format("the robot does not support {} baud; choose 57600 or 19200",
@@ -229,7 +231,7 @@ int run(const ServeOptions& options) {
   }
   for (const Served& robot : robots) fmt::print("listening on {}\n", robot.announced);
   std::fflush(stdout);
-  serve(signals, std::move(faults), robots);
+  serve_until_signal(signals, std::move(faults), robots);
   for (Served& robot : robots) {
     robot.control.reset();
     robot.server->stop();
@@ -263,7 +265,7 @@ CLI::Validator printable_path() {
                         ""};
 }
 
-void add_places(CLI::App& command, ServeOptions& options) {
+void add_places(CLI::App& command, SimulatorOptions& options) {
   command
       .add_option("--link", options.link,
                   "Make this symbolic link to the pseudo-terminal, and print it instead; a link "
@@ -305,7 +307,7 @@ void add_places(CLI::App& command, ServeOptions& options) {
 }  // namespace
 
 void add_sim(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<ServeOptions>();
+  auto options = std::make_shared<SimulatorOptions>();
   CLI::App* command =
       app.add_subcommand("sim",
                          "Serve a virtual Create on a pseudo-terminal until Ctrl-C.\n"
@@ -327,7 +329,7 @@ void add_sim(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   add_sim_options(*command, options->sim);
   command->footer(footer);
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command->callback([options, &chosen] { chosen = [options] { return simulate(*options); }; });
 }
 
 }  // namespace cargobay::cli

@@ -40,8 +40,7 @@ Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
   if (!listener) return listener.failure();
   options.of.lease = FeedDesk::kLease;
   options.of.steerable = static_cast<bool>(options.steering.drive);
-  std::unique_ptr<Feed> feed{
-      new Feed{std::move(options), std::move(*listener), std::move(wake)}};
+  std::unique_ptr<Feed> feed{new Feed{std::move(options), std::move(*listener), std::move(wake)}};
   if (const auto error = start_masked(feed->thread_, [feed = feed.get()] { feed->run(); })) {
     return Failure{.message = "no thread for the feed: " + error.message() +
                               "; raise the limit of processes (ulimit -u)",
@@ -194,8 +193,8 @@ void Feed::accept_client(rt::TimePoint now) {
 }
 
 void Feed::tell_one(FeedConnection& client, const std::string& message) {
-  client.put({.type = FeedType::answer,
-              .line = std::make_shared<const std::string>(message + "\n")});
+  client.put(
+      {.type = FeedType::answer, .line = std::make_shared<const std::string>(message + "\n")});
 }
 
 void Feed::tell_all(FeedType type, JsonObject message) {

@@ -79,10 +79,10 @@ class Feed {
   FeedReports reports_;
   std::vector<std::unique_ptr<FeedConnection>> clients_{};
   std::optional<std::string> told_holder_{};
-  std::uint64_t sequence_ = 0;      // of the newest message
-  std::uint64_t connected_ = 0;     // clients, ever
+  std::uint64_t sequence_ = 0;       // of the newest message
+  std::uint64_t connected_ = 0;      // clients, ever
   std::uint64_t missed_before_ = 0;  // by clients that are gone
-  rt::TimePoint accept_again_{};    // descriptors ran out: accept none before this time
+  rt::TimePoint accept_again_{};     // descriptors ran out: accept none before this time
   // Shared with those who call.
   std::mutex mutex_;
   Robot* robot_ = nullptr;

@@ -10,8 +10,9 @@ namespace {
 using namespace feed_request;  // NOLINT(google-build-using-namespace): the kinds of a request
 
 const Failure kNotSteerable{
-    .message = "this process drives by itself, and can only be watched; `cargobay serve` can be "
-               "steered"};
+    .message =
+        "this process drives by itself, and can only be watched; `cargobay serve` can be "
+        "steered"};
 const Failure kNotVirtual{.message = "only a virtual Create can be arranged; this is a robot"};
 
 Result<std::string> done(const Result<void>& result) {
@@ -63,8 +64,9 @@ Result<std::string> FeedDesk::act(FeedConnection& client, const FeedRequest::Wha
   if (const auto* const wanted = std::get_if<Hold>(&what)) return hold(client, *wanted, now);
   if (!lease_.holds(client.number())) {
     const auto holder = lease_.name();
-    return Failure{.message = holder ? *holder + " steers; ask for the lease with `take` to take "
-                                                 "it from them"
+    return Failure{.message = holder ? *holder +
+                                           " steers; ask for the lease with `take` to take "
+                                           "it from them"
                                      : "ask for the lease first, with `hold`"};
   }
   if (std::holds_alternative<Release>(what)) {
@@ -85,8 +87,8 @@ Result<std::string> FeedDesk::hold(const FeedConnection& client, const Hold& wan
                                    rt::TimePoint now) {
   const bool had = lease_.holds(client.number());
   if (!lease_.hold(client.number(), wanted.name, wanted.take, now)) {
-    return Failure{.message = *lease_.name() +
-                              " steers; ask again with `take` to take it from them"};
+    return Failure{.message =
+                       *lease_.name() + " steers; ask again with `take` to take it from them"};
   }
   if (!had) stop();  // what the former holder wanted is not what this one wants
   return std::string{};

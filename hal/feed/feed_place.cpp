@@ -78,8 +78,7 @@ std::vector<std::string> names_in(const std::string& folder) {
 }  // namespace
 
 std::string feed_name(const std::string& port) {
-  const std::unique_ptr<char, void (*)(void*)> resolved{realpath(port.c_str(), nullptr),
-                                                        std::free};
+  const std::unique_ptr<char, void (*)(void*)> resolved{realpath(port.c_str(), nullptr), std::free};
   std::string name = resolved ? resolved.get() : port;
   if (name.starts_with('/')) name.erase(0, 1);
   std::ranges::replace(name, '/', '-');

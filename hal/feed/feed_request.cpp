@@ -89,8 +89,8 @@ FeedRequest::What subscribe(Members& members) {
 
 FeedRequest::What drive(Members& members) {
   if (members.has("left_mm_s") || members.has("right_mm_s"))
-    return DriveWheels{{.left_mm_s = members.number("left_mm_s"),
-                        .right_mm_s = members.number("right_mm_s")}};
+    return DriveWheels{
+        {.left_mm_s = members.number("left_mm_s"), .right_mm_s = members.number("right_mm_s")}};
   return DriveTwist{{.velocity_mm_s = members.number("velocity_mm_s"),
                      .turn_rate_rad_s = members.number("turn_rate_rad_s")}};
 }

@@ -46,9 +46,9 @@ struct Control {
 
 struct FeedRequest {
   using What = std::variant<feed_request::Subscribe, feed_request::Hold, feed_request::Release,
-                            feed_request::DriveWheels, feed_request::DriveTwist,
-                            feed_request::Stop, feed_request::Rearm, feed_request::ResetOdometry,
-                            feed_request::Send, feed_request::Control>;
+                            feed_request::DriveWheels, feed_request::DriveTwist, feed_request::Stop,
+                            feed_request::Rearm, feed_request::ResetOdometry, feed_request::Send,
+                            feed_request::Control>;
   std::string id{};  // JSON; empty: no answer is wanted
   What what{};
 };

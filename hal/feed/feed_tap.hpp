@@ -17,18 +17,15 @@ class FeedTap {
 
   // For RobotOptions::observers; this must outlive the robot. Wait-free, no system call.
   StateObserver observer() {
-    return {.function = [](void* tap, const CycleState& state) CARGOBAY_NONBLOCKING {
-              (void)static_cast<FeedTap*>(tap)->states_.put(state);
-            },
+    return {.function =
+                [](void* tap, const CycleState& state)
+                    CARGOBAY_NONBLOCKING { (void)static_cast<FeedTap*>(tap)->states_.put(state); },
             .context = this,
-            .event = [](void* tap, const Event& event) CARGOBAY_NONBLOCKING {
-              static_cast<FeedTap*>(tap)->events_.put(event);
-            }};
+            .event = [](void* tap, const Event& event)
+                         CARGOBAY_NONBLOCKING { static_cast<FeedTap*>(tap)->events_.put(event); }};
   }
   // To be locked with the loop's.
-  rt::Memory memory() const {
-    return {reinterpret_cast<const std::byte*>(this), sizeof *this};
-  }
+  rt::Memory memory() const { return {reinterpret_cast<const std::byte*>(this), sizeof *this}; }
 
   // For any thread.
   const rt::NewestRing<CycleState, kStates>& states() const { return states_; }

@@ -135,9 +135,9 @@ Result<void> UnixListener::bind_to_path(mode_t rights) {
       break;
     }
   }
-  return listen_failure(path_, {error, std::generic_category()},
-                        error == EADDRINUSE ? kTaken
-                                            : "name a path in a directory you can write to");
+  return listen_failure(
+      path_, {error, std::generic_category()},
+      error == EADDRINUSE ? kTaken : "name a path in a directory you can write to");
 }
 
 Descriptor UnixListener::accept() const {

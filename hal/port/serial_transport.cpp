@@ -28,7 +28,7 @@ struct FreeConfig {
   void operator()(sp_port_config* config) const { sp_free_config(config); }
 };
 using OpenPort = std::unique_ptr<sp_port, ClosePort>;
-using Config = std::unique_ptr<sp_port_config, FreeConfig>;
+using PortConfig = std::unique_ptr<sp_port_config, FreeConfig>;
 
 constexpr int kLongestGoodTimerMs = 2;
 
@@ -49,7 +49,7 @@ std::error_code error_of(sp_return result) {
 sp_return configure(sp_port* port, std::uint32_t baud) {
   sp_port_config* raw = nullptr;
   if (const sp_return result = sp_new_config(&raw); result != SP_OK) return result;
-  const Config config{raw};
+  const PortConfig config{raw};
   // The setters fail only for a null pointer.
   (void)sp_set_config_baudrate(raw, static_cast<int>(baud));
   (void)sp_set_config_bits(raw, 8);

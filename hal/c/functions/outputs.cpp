@@ -3,11 +3,13 @@
 #include <array>
 #include <span>
 #include <string>
+#include <system_error>
 
 #include "hal/c/cargobay.h"
 #include "hal/c/durations.hpp"
 #include "hal/c/errors.hpp"
 #include "hal/c/robot_object.hpp"
+#include "hal/robot/side_command.hpp"
 #include "oi/commands.hpp"
 #include "oi/dialect.hpp"
 #include "oi/encode.hpp"
@@ -16,7 +18,6 @@
 #include "oi/text/rtttl.hpp"
 #include "oi/text/script_text.hpp"
 #include "oi/text/song.hpp"
-#include "oi/value_names.hpp"
 
 namespace cargobay::c {
 namespace {
@@ -30,61 +31,23 @@ constexpr std::int64_t kNsPer64th = 1'000'000'000 / 64;
 // Of a value that has been checked.
 std::uint8_t byte_of(std::uint32_t value) { return static_cast<std::uint8_t>(value); }
 
-// What the loop sends itself, or what would take the robot out of its hands.
-bool is_the_loops(const oi::CommandInfo& info) {
-  using enum oi::ModeChange;
-  if (info.change != none) return true;
-  switch (info.opcode) {
-    case oi::Drive::kOpcode:
-    case oi::DriveDirect::kOpcode:
-    case oi::Stream::kOpcode:
-    case oi::PauseResumeStream::kOpcode:
-    case oi::Sensors::kOpcode:
-    case oi::QueryList::kOpcode:
-    case oi::Baud::kOpcode:
-    case oi::ShowScript::kOpcode:  // its answer is not a frame
-    case oi::WaitTime::kOpcode:
-    case oi::WaitDistance::kOpcode:
-    case oi::WaitAngle::kOpcode:
-    case oi::WaitEvent::kOpcode: return true;
-    default: return false;
-  }
+// The code of a refusal; what this API calls the remedy is added to it.
+int refused(const hal::Failure& failure) {
+  if (failure.code == std::errc::operation_not_permitted)
+    return fail(CARGOBAY_E_MODE, failure.message + " with cargobay_rearm()");
+  if (failure.code == std::errc::no_buffer_space)
+    return fail(CARGOBAY_E_FULL, failure.message + ", or with CARGOBAY_HOW_PAUSE_DRIVING");
+  return fail(CARGOBAY_E_ARGUMENT, failure.message);
 }
 
 // One whole command with values in range; the loop sends it after its own.
 int send(Session& session, std::span<const std::uint8_t> bytes, std::uint32_t how) {
-  const oi::CommandInfo* info = oi::kCreate.find_command(bytes[0]);
-  if (info == nullptr) return bad_argument("the robot has no such opcode");
-  if (is_the_loops(*info)) {
-    return fail(CARGOBAY_E_ARGUMENT, std::string{info->name} +
-                                         " is for the loop to send, or would take the robot from "
-                                         "it; use the function for that purpose");
-  }
+  if (const auto alone = hal::leaves_loop_alone(bytes); !alone) return refused(alone.failure());
   if (const int failed = session.must_run(); failed != CARGOBAY_OK) return failed;
-  hal::ControlCycle& cycle = session.robot->cycle();
-  const auto state = cycle.state();
-  if (state && !info->available_in(state->mode)) {
-    return fail(CARGOBAY_E_MODE, std::string{info->name} + " is not obeyed in " +
-                                     std::string{oi::name(state->mode)} + " mode (OI p. " +
-                                     std::to_string(info->page) +
-                                     "); the robot has left its own: cargobay_rearm()");
-  }
   const bool pause = (how & CARGOBAY_HOW_PAUSE_DRIVING) != 0;
-  const bool stands =
-      state && state->command == rt::WheelSpeeds{} && state->set == rt::WheelSpeeds{};
-  if (bytes.size() > cycle.spare_bytes() && !pause && state && !stands) {
-    return fail(
-        CARGOBAY_E_FULL,
-        std::to_string(bytes.size()) + " bytes do not fit next to the loop's own, " +
-            std::to_string(cycle.spare_bytes()) +
-            " do; send them while the wheels are stopped, or with CARGOBAY_HOW_PAUSE_DRIVING");
-  }
-  Request request;
-  request.kind = Request::Kind::command;
-  request.when_long = pause ? Request::WhenLong::pause : Request::WhenLong::wait;
-  request.size = static_cast<std::uint8_t>(bytes.size());
-  std::ranges::copy(bytes, request.bytes.begin());
-  return session.request(request);
+  const auto request = hal::side_request(
+      session.robot->cycle(), bytes, pause ? Request::WhenLong::pause : Request::WhenLong::wait);
+  return request ? session.request(*request) : refused(request.failure());
 }
 
 template <typename Function>
@@ -122,7 +85,8 @@ int send_bytes(Session& session, std::span<const std::uint8_t> bytes, std::uint3
     const oi::ParseResult parsed = oi::parse_command(rest);
     if (parsed.outcome != oi::ParseResult::Outcome::command)
       return bad_argument("the bytes are not whole commands with values in range (OI p. 7 to 16)");
-    if (is_the_loops(*parsed.info)) return send(session, rest.first(parsed.length), how);
+    const auto alone = hal::leaves_loop_alone(rest.first(parsed.length));
+    if (!alone) return refused(alone.failure());
     rest = rest.subspan(parsed.length);
   }
   for (auto rest = bytes; !rest.empty();) {

@@ -9,14 +9,13 @@ namespace cargobay::cli {
 
 Published::Published(const std::string& program, const hal::ChosenRobot& chosen, std::uint32_t baud,
                      const hal::RobotOptions& robot) {
-  hal::FeedOptions options{
-      .of = {.program = program,
-             .port = chosen.port,
-             .is_virtual = chosen.create != nullptr,
-             .baud = baud,
-             .wheel_base_mm = robot.cycle.loop.estimator.wheel_base_mm,
-             .setpoint_lapse = robot.cycle.setpoint_lapse},
-      .create = chosen.server()};
+  hal::FeedOptions options{.of = {.program = program,
+                                  .port = chosen.port,
+                                  .is_virtual = chosen.create != nullptr,
+                                  .baud = baud,
+                                  .wheel_base_mm = robot.cycle.loop.estimator.wheel_base_mm,
+                                  .setpoint_lapse = robot.cycle.setpoint_lapse},
+                           .create = chosen.server()};
   if (hal::sim::Server* const server = chosen.server()) {
     options.steering.control = [server](std::string_view line) {
       return hal::sim::control(line, *server);

@@ -109,12 +109,6 @@ void add_realtime_options(CLI::App& command, DriveOptions& options) {
       ->capture_default_str();
   command.add_flag("--no-guard", options.no_guard,
                    "Drive without the guard process: if this program dies the wheels keep turning");
-  command.add_flag("--no-feed", options.no_feed,
-                   "Do not publish what the drive knows; otherwise `cargobay sensors`, `top` and "
-                   "others can watch it");
-  command.add_flag("--boost-kworkers", options.boost_kworkers,
-                   "Give the kernel threads that hand over the port's bytes a real-time priority "
-                   "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");
   command
       .add_option(
           "--priority", options.priority,
@@ -126,11 +120,26 @@ void add_realtime_options(CLI::App& command, DriveOptions& options) {
 
 }  // namespace
 
-void add_drive_options(CLI::App& command, DriveOptions& options) {
+void add_robot_options(CLI::App& command, DriveOptions& options) {
   add_port_options(command, options.connection);
   add_learnt_options(command, options.learnt);
   command.add_flag("--virtual", options.builtin,
                    "Drive a virtual Create of its own, even if the configuration names a port");
+  command.add_flag(
+      "--hold-heading", options.hold_heading,
+      "Let the heading follow what the wheels were asked for so far, also across stops");
+  command.add_flag(
+      "--full", options.full,
+      "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
+  command.add_flag("--drive-on", options.drive_on,
+                   "If a wheel is stuck, or distance and angle cannot be true, only report it");
+  add_realtime_options(command, options);
+  add_pin_options(command, options.pins);
+  add_sim_options(command, options.sim);
+}
+
+void add_drive_options(CLI::App& command, DriveOptions& options) {
+  add_robot_options(command, options);
   command
       .add_option("--profile", options.profile,
                   "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
@@ -143,14 +152,6 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_option("--duration", options.duration_s, "Seconds to drive")->capture_default_str();
   command.add_flag("--open-loop", options.open_loop,
                    "Send the set speeds as they are, to see what the loop gains");
-  command.add_flag(
-      "--hold-heading", options.hold_heading,
-      "Let the heading follow what the wheels were asked for so far, also across stops");
-  command.add_flag(
-      "--full", options.full,
-      "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
-  command.add_flag("--drive-on", options.drive_on,
-                   "If a wheel is stuck, or distance and angle cannot be true, only report it");
   command.add_flag("--reconnect{30}", options.reconnect,
                    "If the port hangs up or the robot falls silent, wait this many seconds "
                    "(--reconnect=60; 30 by default), and drive on when it is back");
@@ -165,9 +166,12 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
       "Record every byte, time and state to this file, for cargobay replay, plot and "
       "export (about 10 kB a second); as MCAP, for Foxglove, if it ends in .mcap "
       "(about 150 kB a second)");
-  add_realtime_options(command, options);
-  add_pin_options(command, options.pins);
-  add_sim_options(command, options.sim);
+  command.add_flag("--no-feed", options.no_feed,
+                   "Do not publish what the drive knows; otherwise `cargobay sensors`, `top` and "
+                   "others can watch it");
+  command.add_flag("--boost-kworkers", options.boost_kworkers,
+                   "Give the kernel threads that hand over the port's bytes a real-time priority "
+                   "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");
   command.footer(
       "Examples:\n"
       "  cargobay drive\n"

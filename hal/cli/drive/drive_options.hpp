@@ -43,7 +43,10 @@ struct DriveOptions {
   SimOptions sim{};
 };
 
+// Those that say how a robot is wired and driven, for a command that drives it in another way.
 // `options` outlives the parsing.
+void add_robot_options(CLI::App& command, DriveOptions& options);
+// All of them.
 void add_drive_options(CLI::App& command, DriveOptions& options);
 
 // Looks for invalid values before anything moves.

@@ -9,8 +9,8 @@
 #include <ctime>
 #include <utility>
 
-#include "hal/machine/masked_thread.hpp"
 #include "hal/file/left_behind.hpp"
+#include "hal/machine/masked_thread.hpp"
 #include "hal/sim/next_word.hpp"
 #include "hal/sim/remote/control.hpp"
 

@@ -17,7 +17,8 @@ JsonObject pose(const WorldPose& pose) {
   return JsonObject{}
       .thousandths("x_mm", pose.x_mm)
       .thousandths("y_mm", pose.y_mm)
-      .thousandths("heading_deg", std::remainder(pose.heading_rad * 180.0 / std::numbers::pi, 360.0));
+      .thousandths("heading_deg",
+                   std::remainder(pose.heading_rad * 180.0 / std::numbers::pi, 360.0));
 }
 
 JsonObject speeds(WheelSpeeds speeds) {

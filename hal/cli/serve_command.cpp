@@ -1,0 +1,158 @@
+// `cargobay serve`: owns a robot for as long as it runs, for clients that watch and steer it.
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "hal/cli/commands.hpp"
+#include "hal/cli/connect/connection.hpp"
+#include "hal/cli/connect/open_for_use.hpp"
+#include "hal/cli/connect/sim_options.hpp"
+#include "hal/cli/drive/drive_options.hpp"
+#include "hal/cli/serve/web_side.hpp"
+#include "hal/cli/terminal/exit_codes.hpp"
+#include "hal/cli/terminal/print.hpp"
+#include "hal/cli/terminal/signals.hpp"
+#include "hal/cli/view/progress.hpp"
+#include "hal/service/service.hpp"
+#include "hal/sim/line/server.hpp"
+#include "hal/sim/world/world.hpp"
+
+namespace cargobay::cli {
+namespace {
+
+constexpr std::chrono::hours kPatience{24};  // for a port that is lost
+
+struct ServeOptions {
+  DriveOptions drive{};  // those that say how the robot is wired and driven
+  std::string world;
+  WebOptions web{};
+  bool no_http = false;
+};
+
+// The virtual Create's world; it outlives the robot.
+hal::Result<void> put_into_world(const ServeOptions& options, hal::sim::Server* server,
+                                 std::optional<hal::sim::World>& world) {
+  if (options.world.empty()) return {};
+  if (server == nullptr)
+    return hal::Failure{.message = "--world is for a virtual Create; leave --port out"};
+  auto loaded = hal::sim::World::load(options.world);
+  if (!loaded) return loaded.failure();
+  world = std::move(*loaded);
+  server->with_device([&](hal::sim::Device& device) { hal::sim::inhabit(device, *world); });
+  return {};
+}
+
+// Says where it serves, once the loop runs and the web side is there.
+class Announcement {
+ public:
+  Announcement(const ServeOptions& options, const hal::Service& service)
+      : options_{options}, socket_{service.socket()} {}
+
+  hal::Result<void> begin_web() {
+    if (options_.no_http) return {};
+    if (!WebSide::is_installed()) {
+      constexpr const char* kMissing =
+          "cargobay-web is not installed: no page and no HTTP; sudo apt install cargobay-web";
+      if (!options_.web.http.empty()) return hal::Failure{.message = kMissing};
+      print_remark(kMissing);
+      return {};
+    }
+    WebOptions web = options_.web;
+    web.socket = socket_;
+    auto side = WebSide::start(web, [](const std::string& what) { print_remark(what); });
+    if (!side) return side.failure();
+    web_ = std::move(*side);
+    return {};
+  }
+  void ready() {
+    if (said_) return;
+    said_ = true;
+    fmt::print("{}\n", web_ ? web_->ready_line() : "serving " + socket_);
+    (void)std::fflush(stdout);
+  }
+
+ private:
+  const ServeOptions& options_;
+  std::string socket_;
+  std::unique_ptr<WebSide> web_{};
+  bool said_ = false;
+};
+
+int serve(const ServeOptions& options) {
+  StopSignals signals;
+  const auto fail = [](const hal::Failure& failure) {
+    print_error(failure.message);
+    return kFailure;
+  };
+  if (const auto done = check(options.drive); !done) return fail(done.failure());
+  auto config = configuration(options.drive.connection, options.drive.pins);
+  if (!config) return fail(config.failure());
+  hal::RobotOptions robot = robot_options(options.drive, *config);
+  const auto plant = find_plant(*config, options.drive.pins, parameters(options.drive.sim),
+                                hal::below_loop(robot.realtime.priority));
+  if (!plant) return fail(plant.failure());
+  std::optional<hal::sim::World> world;
+  if (const auto put = put_into_world(options, plant->server(), world); !put)
+    return fail(put.failure());
+  if (plant->server() != nullptr) schedule(options.drive.sim, *plant->server());
+  robot.pins = plant->pins();
+  robot.learnt = learnt_place(options.drive.learnt, *config);
+  std::optional<int> signal;
+  robot.cancelled = [&] {
+    if (!signal) signal = signals.wait(rt::Duration::zero());
+    return signal.has_value();
+  };
+  auto service = hal::Service::open({.program = "cargobay serve",
+                                     .plant = &*plant,
+                                     .baud = *config->baud,
+                                     .robot = robot,
+                                     .world = world ? &*world : nullptr,
+                                     .patience = kPatience,
+                                     .tell = [](const std::string& what) { print_remark(what); }});
+  if (!service) return fail(service.failure());
+  Announcement announcement{options, **service};
+  if (const auto begun = announcement.begin_web(); !begun) return fail(begun.failure());
+  const auto served = (*service)->run([&] { announcement.ready(); });
+  if (signal) return served ? kSignalled + *signal : fail(served.failure());
+  return served ? kSuccess : fail(served.failure());
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = app.add_subcommand(
+      "serve",
+      "Own a robot for as long as this runs: bring it up, close the loop, guard it, reconnect; "
+      "and\n"
+      "let others watch and steer it: `cargobay teleop` and `top`, programs, and a page in the "
+      "browser.\n"
+      "Prints `serving URL` when it is ready. Without --port, a virtual Create of its own.");
+  add_robot_options(*command, options->drive);
+  command->add_option("--world", options->world,
+                      "The world that the virtual Create lives in: a file, see cargobay sim");
+  command->add_option("--http", options->web.http,
+                      "Where the page is served: [ADDRESS:]PORT. Beyond this machine's own "
+                      "127.0.0.1 everybody needs the token  [127.0.0.1:8080]");
+  command->add_option("--token", options->web.token,
+                      "What those must know who come from other machines; made if left out");
+  command->add_option("--cert", options->web.certificate,
+                      "PEM file with certificate and key: the page by HTTPS");
+  command->add_flag("--no-http", options->no_http, "No page: only the feed's socket");
+  command->footer(
+      "Examples:\n"
+      "  cargobay serve                             and open http://127.0.0.1:8080/\n"
+      "  cargobay serve --port /dev/ttyUSB0 --http 0.0.0.0:8080\n"
+      "  cargobay serve --world room.world --plant sluggish");
+  command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
+}
+
+}  // namespace cargobay::cli

@@ -1,0 +1,203 @@
+#include "hal/service/service.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "hal/cycle/control_cycle.hpp"
+#include "hal/cycle/cycle_state.hpp"
+#include "hal/cycle/request.hpp"
+#include "hal/port/open_port.hpp"
+#include "hal/robot/reconnect.hpp"
+#include "hal/robot/side_command.hpp"
+#include "hal/sim/remote/control_socket.hpp"
+#include "oi/parse.hpp"
+#include "oi/text/command_text.hpp"
+#include "oi/value_names.hpp"
+
+namespace cargobay::hal {
+
+namespace {
+
+constexpr rt::Duration kLookAt = std::chrono::milliseconds{50};
+
+const Failure kNoRobot{.message = "the robot is not under control now; the feed's status says why"};
+
+// Whole commands that leave the loop alone.
+Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text) {
+  std::vector<std::uint8_t> bytes(oi::most_bytes(text));
+  const oi::TextResult encoded = oi::encode_text(text, bytes);
+  if (encoded.error) {
+    std::array<char, 400> said{};
+    return Failure{.message = {said.data(), oi::format_error(*encoded.error, text, said)}};
+  }
+  std::vector<std::vector<std::uint8_t>> commands;
+  for (auto rest = std::span<const std::uint8_t>{bytes}.first(encoded.bytes); !rest.empty();) {
+    const oi::ParseResult parsed = oi::parse_command(rest);
+    if (parsed.outcome != oi::ParseResult::Outcome::command)
+      return Failure{.message = "not whole commands with values in range"};
+    const auto command = rest.first(parsed.length);
+    if (const auto alone = leaves_loop_alone(command); !alone) return alone.failure();
+    commands.emplace_back(command.begin(), command.end());
+    rest = rest.subspan(parsed.length);
+  }
+  return commands;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Service>> Service::open(const ServiceOptions& options) {
+  std::unique_ptr<Service> service{new Service{options}};
+  const Plant& plant = *options.plant;
+  // A pseudo-terminal that goes away does not come back under its name, unless a link leads to it.
+  if (options.patience > rt::Duration::zero() && !plant.create) {
+    if (auto identity = identify(plant.port, serial_ports()))
+      service->identity_ = std::move(*identity);
+  }
+  auto feed = Feed::open({.of = {.program = options.program,
+                                 .port = plant.port,
+                                 .is_virtual = plant.create != nullptr,
+                                 .baud = options.baud,
+                                 .wheel_base_mm = options.robot.cycle.loop.estimator.wheel_base_mm,
+                                 .setpoint_lapse = options.robot.cycle.setpoint_lapse},
+                          .steering = service->steering(),
+                          .create = plant.server(),
+                          .world = options.world});
+  if (!feed) return feed.failure();
+  service->feed_ = std::move(*feed);
+  service->options_.robot.observers.push_back(service->feed_->tap().observer());
+  service->options_.robot.memory.push_back(service->feed_->tap().memory());
+  // What its clients are shown first is why the robot stands, and they can put it right.
+  service->options_.robot.cycle.on_mode_loss = OnModeLoss::hold;
+  return service;
+}
+
+FeedSteering Service::steering() {
+  FeedSteering steering{
+      .drive = [this](const rt::WheelSpeeds& speeds) { return steer(speeds); },
+      .stop = [this] { stop(); },
+      .rearm = [this] { return rearm(); },
+      .reset_odometry = [this](const rt::OdometryPose& pose) { return reset_odometry(pose); },
+      .send = [this](std::string_view command) { return send(command); }};
+  if (sim::Server* const server = options_.plant->server()) {
+    steering.control = [server](std::string_view line) { return sim::control(line, *server); };
+  }
+  return steering;
+}
+
+Result<void> Service::run(const std::function<void()>& ready) {
+  auto robot = bring_up();
+  while (robot) {
+    const auto farewell = drive(**robot, ready);
+    if (!farewell) return farewell.failure();
+    if (farewell->end == CycleEnd::asked) {
+      const std::string wrong = explain(*farewell);
+      return wrong.empty() ? Result<void>{} : Failure{.message = wrong};
+    }
+    tell(explain(*farewell));
+    if (auto learnt = (*robot)->learnt()) options_.robot.cycle.loop.estimator.prior = learnt;
+    *robot = nullptr;  // gives its port back
+    robot = wait_for_robot(*farewell);
+  }
+  feed_->report("ended", robot.failure().message);
+  return robot.failure();
+}
+
+Result<Robot::Owned> Service::bring_up() {
+  feed_->report("bring_up", "the robot is brought up");
+  auto port = open_port(options_.plant->port, options_.baud);
+  if (!port) return port.failure();
+  if (!port->remark.empty()) tell(port->remark);
+  return Robot::open(std::move(port->stream), options_.robot);
+}
+
+Result<Robot::Farewell> Service::drive(Robot& robot, const std::function<void()>& ready) {
+  const auto grant = robot.start({});
+  if (!grant) return grant.failure();
+  become(&robot);
+  feed_->follow(robot);
+  feed_->report("driving", "the loop runs, and the robot is steered by who holds the lease");
+  if (ready) ready();
+  while (!robot.ended() && !options_.robot.cancelled()) std::this_thread::sleep_for(kLookAt);
+  become(nullptr);
+  const Robot::Farewell farewell = robot.stop();
+  feed_->leave();
+  feed_->report("lost", explain(farewell));
+  return farewell;
+}
+
+Result<Robot::Owned> Service::wait_for_robot(const Robot::Farewell& farewell) {
+  if (!may_reconnect(farewell.end) || !identity_) return Failure{.message = explain(farewell)};
+  auto back = reconnect({.port = *identity_,
+                         .baud = options_.baud,
+                         .robot = options_.robot,
+                         .patience = options_.patience,
+                         .tell = options_.tell});
+  if (!back) return back.failure();
+  if (!back->remark.empty()) tell(back->remark);
+  return std::move(back->robot);
+}
+
+void Service::become(Robot* robot) {
+  const std::lock_guard lock{mutex_};
+  robot_ = robot;
+}
+
+void Service::tell(const std::string& what) const {
+  if (options_.tell) options_.tell(what);
+}
+
+Result<void> Service::steer(const rt::WheelSpeeds& speeds) {
+  const std::lock_guard lock{mutex_};
+  if (robot_ == nullptr) return kNoRobot;
+  const auto state = robot_->cycle().state();
+  if (state && state->mode != oi::Mode::safe && state->mode != oi::Mode::full) {
+    return Failure{.message = "the robot has gone to " + std::string{oi::name(state->mode)} +
+                              " mode and obeys no drive commands; put right what stopped it, then "
+                              "`rearm`"};
+  }
+  if (!robot_->cycle().set_speeds(speeds))
+    return Failure{.message = "a wheel's speed must be from -500 to 500 mm/s"};
+  return {};
+}
+
+void Service::stop() {
+  const std::lock_guard lock{mutex_};
+  if (robot_ != nullptr) robot_->cycle().stand_still();
+}
+
+Result<void> Service::rearm() {
+  const std::lock_guard lock{mutex_};
+  if (robot_ == nullptr) return kNoRobot;
+  robot_->cycle().request_rearm();
+  return {};
+}
+
+Result<void> Service::reset_odometry(const rt::OdometryPose& pose) {
+  const std::lock_guard lock{mutex_};
+  if (robot_ == nullptr) return kNoRobot;
+  Request request;
+  request.kind = Request::Kind::pose;
+  request.pose = pose;
+  if (robot_->cycle().request(request)) return {};
+  return Failure{.message = "too many requests wait for the loop; ask again"};
+}
+
+Result<void> Service::send(std::string_view command) {
+  const auto commands = commands_of(command);
+  if (!commands) return commands.failure();
+  const std::lock_guard lock{mutex_};
+  if (robot_ == nullptr) return kNoRobot;
+  for (const std::vector<std::uint8_t>& each : *commands) {
+    const auto request = side_request(robot_->cycle(), each, Request::WhenLong::wait);
+    if (!request) return request.failure();
+    if (!robot_->cycle().request(*request))
+      return Failure{.message = "too many requests wait for the loop; ask again"};
+  }
+  return {};
+}
+
+}  // namespace cargobay::hal

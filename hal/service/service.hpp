@@ -1,0 +1,74 @@
+// A robot with several clients: owns its bring-up, loop, guard and reconnection, publishes its feed,
+// and is steered by whoever holds the feed's lease (docs/feed.md).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "hal/feed/feed.hpp"
+#include "hal/port/port_identity.hpp"
+#include "hal/result.hpp"
+#include "hal/robot/robot.hpp"
+#include "hal/sim/remote/plant.hpp"
+#include "hal/sim/world/world.hpp"
+#include "rt/clock.hpp"
+
+namespace cargobay::hal {
+
+struct ServiceOptions {
+  std::string program{};  // what the readers of the feed are told
+  const Plant* plant = nullptr;
+  std::uint32_t baud = 0;
+  RobotOptions robot{};               // its `cancelled` ends everything
+  const sim::World* world = nullptr;  // of the plant's virtual Create, if it lives in one
+  // How long a port that is lost is waited for; 0: not at all.
+  rt::Duration patience{};
+  // Called with one line each: what happens to the link. On run()'s thread.
+  std::function<void(const std::string&)> tell{};
+};
+
+class Service {
+ public:
+  // Publishes the feed; the robot is not touched yet. What `options` refers to outlives the
+  // service. Blocks for the file system; allocates.
+  static Result<std::unique_ptr<Service>> open(const ServiceOptions& options);
+  // run() has returned.
+  ~Service() = default;
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  // Brings the robot up, drives it as its clients say, and goes on when its port comes back; until
+  // `cancelled`, which it looks at every 50 ms. Blocks. When it returns the robot stands, or the
+  // failure says that it may not. `ready` is called each time the loop runs; may be empty.
+  Result<void> run(const std::function<void()>& ready);
+
+  // The socket of the feed.
+  const std::string& socket() const { return feed_->socket(); }
+
+ private:
+  explicit Service(const ServiceOptions& options) : options_{options} {}
+
+  FeedSteering steering();
+  Result<Robot::Owned> bring_up();
+  // Until the loop ends, or it is cancelled.
+  Result<Robot::Farewell> drive(Robot& robot, const std::function<void()>& ready);
+  Result<Robot::Owned> wait_for_robot(const Robot::Farewell& farewell);
+  void become(Robot* robot);
+  Result<void> steer(const rt::WheelSpeeds& speeds);
+  Result<void> send(std::string_view command);
+  Result<void> rearm();
+  Result<void> reset_odometry(const rt::OdometryPose& pose);
+  void stop();
+  void tell(const std::string& what) const;
+
+  ServiceOptions options_;
+  std::optional<PortIdentity> identity_{};  // of a port that may come back
+  std::mutex mutex_;
+  Robot* robot_ = nullptr;        // while its loop runs: the feed's thread steers it
+  std::unique_ptr<Feed> feed_{};  // last: ends first
+};
+
+}  // namespace cargobay::hal
