@@ -344,8 +344,11 @@ enum cargobay_flag {
   CARGOBAY_FLAG_FORGET = 1 << 8,    /**< begins from nothing: the robot has other wheels now */
   CARGOBAY_FLAG_HOLD_HEADING = 1 << 9, /**< the heading follows what the wheels were asked for, also
                                             across stops, whatever the configuration says */
-  CARGOBAY_FLAG_DRIVE_ON = 1 << 10 /**< if a wheel is stuck, or distance and angle cannot be true,
+  CARGOBAY_FLAG_DRIVE_ON = 1 << 10, /**< if a wheel is stuck, or distance and angle cannot be true,
                                          the loop only reports it: `stop_if_implausible = false` */
+  CARGOBAY_FLAG_PUBLISH = 1 << 11   /**< others may watch: states, sensors and events go to a Unix
+                                         socket by the port's name (docs/feed.md), from an ordinary
+                                         thread; CARGOBAY_E_FILE if there can be none */
 };
 
 /** How to reach and drive a robot. 0 and NULL are the default everywhere. */

@@ -122,6 +122,7 @@ enum class Flag : std::uint32_t {
   forget = CARGOBAY_FLAG_FORGET,
   hold_heading = CARGOBAY_FLAG_HOLD_HEADING,
   drive_on = CARGOBAY_FLAG_DRIVE_ON,
+  publish = CARGOBAY_FLAG_PUBLISH,
 };
 
 // enum cargobay_rate_change.

@@ -26,7 +26,7 @@ constexpr std::uint32_t kKnownFlags =
     CARGOBAY_FLAG_REQUIRE_REALTIME | CARGOBAY_FLAG_NO_REALTIME | CARGOBAY_FLAG_NO_GUARD |
     CARGOBAY_FLAG_HOLD_ON_MODE_LOSS | CARGOBAY_FLAG_OPEN_LOOP | CARGOBAY_FLAG_PIN_CPU |
     CARGOBAY_FLAG_NO_CONFIG | CARGOBAY_FLAG_NO_LEARNT | CARGOBAY_FLAG_FORGET |
-    CARGOBAY_FLAG_HOLD_HEADING | CARGOBAY_FLAG_DRIVE_ON;
+    CARGOBAY_FLAG_HOLD_HEADING | CARGOBAY_FLAG_DRIVE_ON | CARGOBAY_FLAG_PUBLISH;
 constexpr int kLeastDescriptor = 3;
 
 bool has(const cargobay_options& options, cargobay_flag flag) {
@@ -233,6 +233,7 @@ int Opening::prepare(const cargobay_options& options, std::optional<hal::OutputF
   wanted = robot_options(options, *config);
   baud = config->baud.value_or(oi::kCreate.default_baud);
   baud_is_the_programs = options.baud != 0;
+  published = has(options, CARGOBAY_FLAG_PUBLISH);
   progress = options.progress;
   progress_context = options.progress_context;
   if (const int failed = open_record(options, record); failed != CARGOBAY_OK) return failed;

@@ -27,6 +27,7 @@ struct Opening {
   hal::RobotOptions wanted{};
   std::uint32_t baud = 0;
   bool virtual_time = false;
+  bool published = false;             // with CARGOBAY_FLAG_PUBLISH
   bool baud_is_the_programs = false;  // not the configuration's
   int (*progress)(void* context, const char* step, const char* detail) = nullptr;
   void* progress_context = nullptr;

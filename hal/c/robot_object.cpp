@@ -1,8 +1,10 @@
 #include "hal/c/robot_object.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cerrno>
 #include <iterator>
 #include <span>
 #include <thread>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include "hal/c/errors.hpp"
+#include "hal/sim/remote/control_socket.hpp"
 #include "oi/limits.hpp"
 #include "rt/twist.hpp"
 
@@ -35,6 +38,12 @@ std::uint32_t c_bumps(hal::Bumps bumps) CARGOBAY_NONBLOCKING {
          (bumps.has(oi::Bump::bump_right) ? std::uint32_t{CARGOBAY_BUMP_RIGHT} : 0U);
 }
 
+// There is no port.
+std::string name_in_virtual_time() {
+  static std::atomic<int> robots{0};
+  return "virtual-" + std::to_string(getpid()) + "-" + std::to_string(++robots);
+}
+
 int not_opened(const hal::Failure& failure, const Opening& opening) {
   const int code = code_of(failure, opening);
   if (code != CARGOBAY_E_CANCELLED) return fail(code, failure);
@@ -46,6 +55,7 @@ int not_opened(const hal::Failure& failure, const Opening& opening) {
 }  // namespace
 
 RobotObject::~RobotObject() {
+  if (feed) feed->leave();
   session_.store(nullptr);
   session_owner_.reset();  // before what it drives
   if (opening.sim) opening.sim->taken.store(false);
@@ -74,7 +84,33 @@ int RobotObject::set_control(cargobay_control function, void* context) {
   return CARGOBAY_OK;
 }
 
+int RobotObject::publish() {
+  SimObject* const own = opening.sim ? &*opening.sim : nullptr;
+  hal::sim::Server* const create = own != nullptr ? own->server.get() : opening.plant.server();
+  hal::FeedOptions options{
+      .of = {.program = program_invocation_short_name,
+             .port = own == nullptr ? opening.plant.port
+                     : own->server  ? own->server->path()
+                                    : name_in_virtual_time(),
+             .is_virtual = own != nullptr || create != nullptr,
+             .baud = opening.baud,
+             .wheel_base_mm = wheel_base_mm(),
+             .setpoint_lapse = opening.wanted.cycle.setpoint_lapse},
+      .create = create,
+      .world = own != nullptr && create != nullptr ? &own->world().world : nullptr};
+  if (create != nullptr) {
+    options.steering.control = [create](std::string_view line) {
+      return hal::sim::control(line, *create);
+    };
+  }
+  auto opened = hal::Feed::open(std::move(options));
+  if (!opened) return fail(CARGOBAY_E_FILE, opened.failure());
+  feed = std::move(*opened);
+  return CARGOBAY_OK;
+}
+
 void RobotObject::close_session() {
+  if (feed) feed->leave();
   session_.store(nullptr, std::memory_order_seq_cst);
   // In one order with SessionUse: whoever is not seen here sees no session.
   while (session_uses_.load(std::memory_order_seq_cst) != 0)
@@ -102,11 +138,16 @@ int RobotObject::open_session() {
   wanted.cancelled = [&teller, this] { return teller.given_up() || closing.load(); };
   wanted.observers = {session->observer()};
   wanted.memory = {std::as_bytes(std::span{this, 1}), std::as_bytes(std::span{session.get(), 1})};
+  if (feed) feed->attach_to(wanted);
   auto opened = hal::Robot::open(std::move(stream), wanted);
   if (!opened) return not_opened(opened.failure(), opening);
   session->robot = std::move(*opened);
   session_owner_ = std::move(session);
   session_.store(session_owner_.get(), std::memory_order_seq_cst);
+  if (feed) {
+    feed->follow(*session_owner_->robot);
+    feed->report("driving", "the robot is under control of this program");
+  }
   if (!newest) return CARGOBAY_OK;
   hal::Request pose;
   pose.kind = hal::Request::Kind::pose;

@@ -15,6 +15,7 @@
 #include "hal/c/opening.hpp"
 #include "hal/c/session.hpp"
 #include "hal/c/sim_object.hpp"
+#include "hal/feed/feed.hpp"
 #include "hal/sensing/event_log.hpp"
 #include "rt/newest_ring.hpp"
 
@@ -53,6 +54,8 @@ struct RobotObject {
   // if the former one does not return; it is then kept.
   int set_control(cargobay_control function, void* context);
 
+  // By the owner, before the first session: others may watch. CARGOBAY_OK, or the error.
+  int publish();
   // By the owner: brings the robot up, for the first time or again. After a failure there is no
   // session.
   int open_session();
@@ -66,6 +69,7 @@ struct RobotObject {
   hal::EventLog events{};
   rt::NewestRing<SeenState, kHistory> history{};
   EventDescriptor descriptor{};
+  std::unique_ptr<hal::Feed> feed{};  // with CARGOBAY_FLAG_PUBLISH
 
   std::atomic<const ControlSlot*> control{nullptr};
   std::atomic<std::uint32_t> control_calls{0};  // odd while the program's function runs

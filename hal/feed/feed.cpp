@@ -14,6 +14,7 @@
 #include "hal/feed/feed_place.hpp"
 #include "hal/file/left_behind.hpp"
 #include "hal/machine/masked_thread.hpp"
+#include "hal/robot/robot.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal {
@@ -51,7 +52,7 @@ Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
 
 Feed::Feed(FeedOptions options, UnixListener listener, Descriptor wake)
     : options_{std::move(options)},
-      tap_{std::make_unique<FeedTap>()},
+      tap_{std::make_shared<FeedTap>()},
       listener_{std::move(listener)},
       wake_{std::move(wake)},
       desk_{options_.steering, options_.of.wheel_base_mm},
@@ -66,6 +67,12 @@ Feed::~Feed() {
 void Feed::wake() const {
   const std::uint64_t one = 1;
   (void)!::write(wake_.number(), &one, sizeof one);  // even if the counter is full, this wakes
+}
+
+void Feed::attach_to(RobotOptions& options) const {
+  options.observers.push_back(tap_->observer());
+  options.memory.push_back(tap_->memory());
+  options.kept.push_back(tap_);
 }
 
 void Feed::follow(Robot& robot) {

@@ -24,6 +24,8 @@
 
 namespace cargobay::hal {
 
+struct RobotOptions;
+
 struct FeedOptions {
   FeedIdentity of{};
   FeedSteering steering{};
@@ -43,8 +45,8 @@ class Feed {
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
 
-  // For RobotOptions, and to be locked with the loop's memory. Valid as long as this object.
-  FeedTap& tap() { return *tap_; }
+  // A robot opened with these options leaves what it knows for this feed, and may outlive it.
+  void attach_to(RobotOptions& options) const;
   const std::string& socket() const { return listener_.path(); }
 
   // The functions below are for any thread. They lock, and wait for a message being made.
@@ -71,7 +73,7 @@ class Feed {
   void wake() const;
 
   FeedOptions options_;
-  std::unique_ptr<FeedTap> tap_;  // a block of its own, to be locked
+  std::shared_ptr<FeedTap> tap_;
   UnixListener listener_;
   Descriptor wake_;  // an eventfd: ends the thread's sleep
   // Belong to the thread.

@@ -47,6 +47,8 @@ struct RobotOptions {
   std::vector<StateObserver> observers{};
   // What the observers and the control function touch; locked with the loop's own.
   std::vector<rt::Memory> memory{};
+  // Kept as long as the robot, whose control thread may never come back.
+  std::vector<std::shared_ptr<const void>> kept{};
 };
 
 // Call all functions from one thread, unless the ControlCycle says otherwise.

@@ -68,8 +68,7 @@ Result<std::unique_ptr<Service>> Service::open(const ServiceOptions& options) {
                           .world = options.world});
   if (!feed) return feed.failure();
   service->feed_ = std::move(*feed);
-  service->options_.robot.observers.push_back(service->feed_->tap().observer());
-  service->options_.robot.memory.push_back(service->feed_->tap().memory());
+  service->feed_->attach_to(service->options_.robot);
   // What its clients are shown first is why the robot stands, and they can put it right.
   service->options_.robot.cycle.on_mode_loss = OnModeLoss::hold;
   return service;

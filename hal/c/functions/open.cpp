@@ -30,6 +30,9 @@ int open_robot(const cargobay_options& options, cargobay_robot** handle) {
     return failed;
   const std::unique_lock lock{object->owner(), std::try_to_lock};
   if (!lock) return moved_elsewhere();
+  if (object->opening.published) {
+    if (const int failed = object->publish(); failed != CARGOBAY_OK) return failed;
+  }
   if (const int failed = object->open_session(); failed != CARGOBAY_OK) return failed;
   {
     const SessionUse session{*object};

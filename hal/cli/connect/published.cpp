@@ -30,9 +30,7 @@ Published::Published(const std::string& program, const hal::ChosenRobot& chosen,
 }
 
 void Published::attach_to(hal::RobotOptions& robot) const {
-  if (!feed_) return;
-  robot.observers.push_back(feed_->tap().observer());
-  robot.memory.push_back(feed_->tap().memory());
+  if (feed_) feed_->attach_to(robot);
 }
 
 void Published::follow(hal::Robot& robot) const {

@@ -91,6 +91,7 @@ class Flag(enum.IntFlag):
     FORGET = 1 << 8
     HOLD_HEADING = 1 << 9
     DRIVE_ON = 1 << 10
+    PUBLISH = 1 << 11
 
 
 class RateChange(_Number):
