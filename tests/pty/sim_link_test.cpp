@@ -19,7 +19,7 @@
 namespace cargobay::test {
 namespace {
 
-using hal::sim::link_target;
+using hal::link_target;
 using hal::sim::PtyPort;
 using hal::remove_if;
 using testing::HasSubstr;

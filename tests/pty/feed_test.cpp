@@ -1,0 +1,301 @@
+// A robot that is watched and steered through its feed, as other programs do it.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "drive_fixture.hpp"
+#include "hal/feed/feed_reader.hpp"
+
+namespace cargobay::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+// One who reads the feed.
+class Watcher {
+ public:
+  explicit Watcher(const std::string& port) {
+    EXPECT_TRUE(eventually([&] {
+      auto attached = hal::FeedReader::attach(port);
+      if (attached) reader_.emplace(std::move(*attached));
+      return reader_.has_value();
+    }));
+  }
+  // The next message for which `matches` is true; null after 10 s, or when the feed has ended.
+  json next(const std::function<bool(const json&)>& matches) {
+    const rt::TimePoint deadline = rt::Clock::now() + std::chrono::seconds{10};
+    while (reader_) {
+      const auto line = reader_->next(deadline);
+      if (!line || !*line) break;
+      json message = json::parse(**line);
+      if (matches(message)) return message;
+    }
+    return {};
+  }
+  json next(const std::string& type) {
+    return next([&](const json& message) { return message["type"] == type; });
+  }
+  void tell(const json& request) {
+    ASSERT_TRUE(reader_);
+    EXPECT_TRUE(reader_->ask(request.dump()));
+  }
+  // The answer.
+  json ask(json request) {
+    request["id"] = ++asked_;
+    tell(request);
+    return next([&](const json& message) {
+      return message["type"] == "answer" && message["id"] == asked_;
+    });
+  }
+  // Steers for as long as `goes_on`.
+  void drive_while(double speed_mm_s, const std::function<bool()>& goes_on) {
+    while (goes_on()) {
+      tell({{"do", "drive"}, {"left_mm_s", speed_mm_s}, {"right_mm_s", speed_mm_s}});
+      (void)next("state");
+    }
+  }
+  hal::FeedReader& reader() { return *reader_; }
+  void go() { reader_.reset(); }
+
+ private:
+  std::optional<hal::FeedReader> reader_{};
+  int asked_ = 0;
+};
+
+class FeedTest : public DriveTest {
+ protected:
+  std::vector<std::string> serve_command() const {
+    return {"serve", "--port", port_, "--no-http"};
+  }
+  // Once it is served.
+  static void wait_until_served(Command& command) {
+    ASSERT_TRUE(eventually([&] {
+      (void)command.running();
+      return command.out().find("serving ") != std::string::npos;
+    })) << command.err();
+  }
+  // Within 10 s.
+  bool comes_to_stand() const {
+    return eventually([this] {
+      return server_->snapshot().commanded == hal::sim::WheelSpeeds{} && stands_still();
+    });
+  }
+  double left_mm_s() const { return server_->snapshot().truth.speeds.left_mm_s; }
+  void drive_until_it_moves(Watcher& watcher) const {
+    ASSERT_EQ(watcher.ask({{"do", "hold"}, {"name", "test"}})["ok"], true);
+    int states = 0;
+    watcher.drive_while(200.0, [&] { return left_mm_s() < 100.0 && ++states < 400; });
+    ASSERT_GE(left_mm_s(), 100.0);
+  }
+};
+
+TEST_F(FeedTest, ADriveIsWatchedAndNotSteered) {
+  Command command{drive({"--duration", "60"})};
+  ASSERT_TRUE(starts_to_move());
+  Watcher watcher{port_};
+  const json hello = watcher.next("hello");
+  EXPECT_EQ(hello["program"], "cargobay drive");
+  EXPECT_EQ(hello["pid"], command.process());
+  EXPECT_EQ(hello["steerable"], false);
+  const json first = watcher.next("state");
+  const json second = watcher.next("state");
+  EXPECT_EQ(second["tick"], first["tick"].get<std::int64_t>() + 1);
+  EXPECT_EQ(second["mode"], "safe");
+  EXPECT_EQ(watcher.next("sensors")["oi_mode_name"], "safe");
+  EXPECT_GT(watcher.next("statistics")["frame_to_command_ns"]["count"], 0);
+  for (const char* request : {"stop", "release", "rearm"}) {
+    const json answer = watcher.ask({{"do", request}});
+    EXPECT_EQ(answer["ok"], false);
+    EXPECT_THAT(answer["error"].get<std::string>(), HasSubstr("cargobay serve"));
+  }
+  EXPECT_TRUE(drives_on());
+  command.send(SIGINT);
+  EXPECT_EQ(command.exit_code(), 128 + SIGINT);
+  EXPECT_EQ(watcher.next([](const json& message) { return message["stage"] == "ended"; })["type"],
+            "status");
+  EXPECT_FALSE(hal::FeedReader::attach(port_)) << "its socket is gone";
+}
+
+TEST_F(FeedTest, ADriveNeedNotBeWatched) {
+  const Command command{drive({"--duration", "60", "--no-feed"})};
+  ASSERT_TRUE(starts_to_move());
+  const auto attached = hal::FeedReader::attach(port_);
+  ASSERT_FALSE(attached);
+  EXPECT_EQ(attached.failure().code, std::errc::no_such_device);
+}
+
+TEST_F(FeedTest, OneSteersAtATime) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher ann{port_};
+  Watcher bob{port_};
+  EXPECT_THAT(bob.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["error"],
+              HasSubstr("hold"));
+  EXPECT_EQ(ann.ask({{"do", "hold"}, {"name", "ann"}})["ok"], true);
+  EXPECT_EQ(bob.next([](const json& message) { return message["name"] == "ann"; })["type"],
+            "holder");
+  EXPECT_THAT(bob.ask({{"do", "hold"}, {"name", "bob"}})["error"], HasSubstr("ann steers"));
+  EXPECT_THAT(bob.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["error"],
+              HasSubstr("ann steers"));
+  int states = 0;
+  ann.drive_while(200.0, [&] { return left_mm_s() < 100.0 && ++states < 400; });
+  EXPECT_GE(left_mm_s(), 100.0);
+  EXPECT_EQ(bob.ask({{"do", "stop"}})["ok"], true) << "a stop is everybody's";
+  EXPECT_TRUE(comes_to_stand());
+  EXPECT_EQ(ann.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["ok"], false)
+      << "the lease is free";
+  EXPECT_EQ(bob.ask({{"do", "hold"}, {"name", "bob"}})["ok"], true);
+  EXPECT_EQ(ann.ask({{"do", "hold"}, {"name", "ann"}, {"take", true}})["ok"], true);
+  EXPECT_EQ(bob.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["ok"], false);
+}
+
+TEST_F(FeedTest, WhoseConnectionEndsStopsTheRobot) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher other{port_};
+  for (int i = 0; i < 3; ++i) {
+    Watcher watcher{port_};
+    drive_until_it_moves(watcher);
+    watcher.go();
+    EXPECT_TRUE(comes_to_stand());
+    EXPECT_EQ(other.ask({{"do", "hold"}, {"name", "other"}})["ok"], true) << "the lease is free";
+    EXPECT_EQ(other.ask({{"do", "release"}})["ok"], true);
+  }
+}
+
+TEST_F(FeedTest, WhoFallsSilentStopsTheRobotAndLosesTheLease) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  Watcher other{port_};
+  drive_until_it_moves(watcher);
+  EXPECT_TRUE(comes_to_stand()) << "its setpoint lapses";
+  EXPECT_TRUE(eventually(
+      [&] { return other.ask({{"do", "hold"}, {"name", "other"}})["ok"] == json(true); }));
+}
+
+TEST_F(FeedTest, SaysWhatTheRobotWillNotDo) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  ASSERT_EQ(watcher.ask({{"do", "hold"}, {"name", "test"}})["ok"], true);
+  const auto refused = [&](const json& request, const char* why) {
+    const json answer = watcher.ask(request);
+    EXPECT_EQ(answer["ok"], false) << request;
+    EXPECT_THAT(answer["error"].get<std::string>(), HasSubstr(why));
+  };
+  refused({{"do", "drive"}, {"left_mm_s", 501}, {"right_mm_s", 0}}, "-500 to 500");
+  refused({{"do", "send"}, {"command", "full"}}, "for the loop to send");
+  refused({{"do", "send"}, {"command", "drive 100 straight"}}, "for the loop to send");
+  refused({{"do", "send"}, {"command", "hop"}}, "hop");
+  refused({{"do", "control"}, {"line", "bump left"}}, "only a virtual Create");
+  EXPECT_EQ(watcher.ask({{"do", "send"}, {"command", "leds play 0 255"}})["ok"], true);
+  EXPECT_TRUE(eventually([&] {
+    bool lit = false;
+    server_->with_device([&](hal::sim::Device& device) {
+      lit = device.actuators().lit(oi::Led::play);
+    });
+    return lit;
+  }));
+  EXPECT_EQ(watcher.ask({{"do", "drive"}, {"velocity_mm_s", 9000}, {"turn_rate_rad_s", 0}})["ok"],
+            true)
+      << "a twist is scaled down";
+}
+
+TEST_F(FeedTest, GoesOnWithoutTheModeAndIsRearmed) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  drive_until_it_moves(watcher);
+  server_->with_device([](hal::sim::Device& device) { device.inputs().wheel_drop_left = true; });
+  const json event = watcher.next("event");
+  EXPECT_EQ(event["what"], "mode_lost");
+  EXPECT_EQ(event["hazards"], json::array({"wheel_drop_left"}));
+  EXPECT_TRUE(comes_to_stand());
+  EXPECT_THAT(watcher.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["error"],
+              HasSubstr("passive"));
+  server_->with_device([](hal::sim::Device& device) { device.inputs().wheel_drop_left = false; });
+  ASSERT_EQ(watcher.ask({{"do", "hold"}, {"name", "test"}})["ok"], true);
+  EXPECT_EQ(watcher.ask({{"do", "rearm"}})["ok"], true);
+  EXPECT_EQ(watcher.next([](const json& message) { return message["what"] == "rearmed"; })["type"],
+            "event");
+}
+
+// What each client got, and what it was told to have missed, adds up, and none holds up the loop.
+TEST_F(FeedTest, AClientThatDoesNotReadMissesOnlyItsOwn) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher asleep{port_};
+  Watcher awake{port_};
+  const json before = awake.next("state");
+  constexpr int kTicks = 1000;  // 15 s: about 3 MB, more than its socket and queue hold
+  std::int64_t last = before["tick"];
+  std::int64_t missing = 0;
+  while (last < before["tick"].get<std::int64_t>() + kTicks) {
+    const json state = awake.next("state");
+    ASSERT_FALSE(state.is_null());
+    missing += state["tick"].get<std::int64_t>() - last - 1;
+    last = state["tick"];
+  }
+  EXPECT_EQ(missing, 0) << "who reads misses nothing";
+  std::uint64_t told = 0;
+  std::uint64_t sequence = 0;
+  std::uint64_t gaps = 0;
+  (void)asleep.next([&](const json& message) {
+    if (message["type"] == "missed") told += message["messages"].get<std::uint64_t>();
+    if (!message.contains("seq")) return false;
+    const std::uint64_t now = message["seq"];
+    if (sequence != 0 && now > sequence) gaps += now - sequence - 1;
+    sequence = now;
+    return message["type"] == "state" && message["tick"] >= last;
+  });
+  EXPECT_GT(told, 0U);
+  EXPECT_EQ(gaps, told);
+}
+
+TEST_F(FeedTest, RefusesMoreThanItsMost) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  std::vector<std::unique_ptr<Watcher>> watchers;
+  for (std::size_t i = 0; i < 64; ++i) watchers.push_back(std::make_unique<Watcher>(port_));
+  EXPECT_EQ(watchers.back()->next("hello")["feed"], 1);
+  Watcher last{port_};
+  EXPECT_THAT(last.next("answer")["error"], HasSubstr("64 programs"));
+  watchers.front()->go();
+  EXPECT_TRUE(eventually([&] {
+    Watcher again{port_};
+    return again.next([](const json&) { return true; })["type"] == "hello";
+  }));
+}
+
+TEST_F(FeedTest, ItsEndLeavesTheRobotStanding) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  drive_until_it_moves(watcher);
+  command.send(SIGTERM);
+  EXPECT_EQ(command.exit_code(), 128 + SIGTERM);
+  EXPECT_TRUE(comes_to_stand());
+}
+
+TEST_F(FeedTest, ItsDeathLeavesTheRobotStanding) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  drive_until_it_moves(watcher);
+  command.send(SIGKILL);
+  EXPECT_TRUE(comes_to_stand());
+}
+
+}  // namespace
+}  // namespace cargobay::test
