@@ -59,10 +59,8 @@ class Announcement {
   hal::Result<void> begin_web() {
     if (options_.no_http) return {};
     if (!WebSide::is_installed()) {
-      constexpr const char* kMissing =
-          "cargobay-web is not installed: no page and no HTTP; sudo apt install cargobay-web";
-      if (!options_.web.http.empty()) return hal::Failure{.message = kMissing};
-      print_remark(kMissing);
+      if (!options_.web.http.empty()) return hal::Failure{.message = WebSide::kMissing};
+      print_remark(WebSide::kMissing);
       return {};
     }
     WebOptions web = options_.web;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 #include "hal/cli/connect/sim_faults.hpp"
 #include "hal/cli/connect/sim_options.hpp"
 #include "hal/cli/drawing/picture.hpp"
+#include "hal/cli/serve/sim_view.hpp"
 #include "hal/cli/terminal/exit_codes.hpp"
 #include "hal/cli/terminal/outputs.hpp"
 #include "hal/cli/terminal/print.hpp"
@@ -46,6 +48,8 @@ struct SimulatorOptions {
   std::uint32_t boot_baud = oi::kCreate.default_baud;
   std::size_t batch_bytes = hal::sim::ServerOptions{}.batch_bytes;
   int priority = 0;
+  bool view = false;
+  std::string http;  // where the page is served; empty: as cargobay-web does by itself
 };
 
 // One robot and everything requested for it. The server is destroyed first: it uses the path.
@@ -53,7 +57,8 @@ struct Served {
   std::unique_ptr<hal::sim::PathRecorder> path{};  // with --trace
   std::unique_ptr<hal::sim::Server> server{};
   std::unique_ptr<hal::sim::ControlSocket> control{};
-  std::string announced;  // what a client opens
+  std::optional<SimView> view{};  // with --view
+  std::string announced;          // what a client opens
 };
 
 int fail(const std::string& message) {
@@ -143,6 +148,19 @@ hal::Result<void> open(const SimulatorOptions& options, std::size_t index,
   return {};
 }
 
+// The pages, once the robots run: the first where it is wanted, the others at any free port.
+hal::Result<void> view(const SimulatorOptions& options, const hal::sim::World& world,
+                       std::vector<Served>& robots) {
+  for (Served& robot : robots) {
+    const bool first = &robot == &robots.front();
+    auto opened = SimView::open(*robot.server, options.world.empty() ? nullptr : &world,
+                                robot.announced, first ? options.http : "127.0.0.1:0");
+    if (!opened) return opened.failure();
+    robot.view.emplace(std::move(*opened));
+  }
+  return {};
+}
+
 void inflict(const PlannedFault& fault, std::vector<Served>& robots) {
   for (Served& robot : robots) {
     const std::string answer = hal::sim::control("fault " + fault.command, *robot.server);
@@ -229,10 +247,18 @@ int simulate(const SimulatorOptions& options) {
                               .wanted = options.priority}) +
                  "; serving without it");
   }
-  for (const Served& robot : robots) fmt::print("listening on {}\n", robot.announced);
+  if (options.view) {
+    if (const auto viewed = view(options, surroundings.world, robots); !viewed)
+      return fail(viewed.failure().message);
+  }
+  for (const Served& robot : robots) {
+    fmt::print("listening on {}\n", robot.announced);
+    if (robot.view) fmt::print("{}\n", robot.view->ready_line());
+  }
   std::fflush(stdout);
   serve_until_signal(signals, std::move(faults), robots);
   for (Served& robot : robots) {
+    robot.view.reset();
     robot.control.reset();
     robot.server->stop();
   }
@@ -324,6 +350,10 @@ void add_sim(CLI::App& app, Action& chosen) {
                    "FIFO does; 1: each by itself")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  command->add_flag("--view", options->view,
+                    "Show it in the browser, and say where: `serving URL`");
+  command->add_option("--http", options->http,
+                      "Where --view serves: [ADDRESS:]PORT  [127.0.0.1:8080]");
   command->add_option("--priority", options->priority, "Ask for this SCHED_FIFO priority; 0: none")
       ->check(CLI::Range(0, 98))
       ->capture_default_str();

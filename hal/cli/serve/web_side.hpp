@@ -27,6 +27,8 @@ class WebSide {
  public:
   // Whether the program is there: beside this one.
   static bool is_installed();
+  static constexpr const char* kMissing =
+      "cargobay-web is not installed: no page and no HTTP; sudo apt install cargobay-web";
 
   // Starts it and waits until it serves: 10 s at most. Returns the line that it is ready with,
   // "serving URL". A failure says why; nothing runs then. `tell` gets a line each time that it had
