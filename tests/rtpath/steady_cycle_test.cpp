@@ -21,6 +21,7 @@
 #include "hal/cycle/cycle_parameters.hpp"
 #include "hal/cycle/cycle_state.hpp"
 #include "hal/port/pty_transport.hpp"
+#include "hal/feed/feed_tap.hpp"
 #include "hal/recording/flight_recorder.hpp"
 #include "hal/recording/recording_stream.hpp"
 #include "hal/robot/robot.hpp"
@@ -103,17 +104,44 @@ class UncountedLink final : public ByteStream {
   sim::VirtualLink& link_;
 };
 
+// As hal::Robot calls its observers: the recorder, then the feed's.
+struct Observers {
+  FlightRecorder recorder{};
+  FeedTap tap{};
+
+  StateObserver observer() {
+    StateObserver observer = recorder.observer();
+    recorded = observer;
+    told = tap.observer();
+    observer.context = this;
+    observer.function = [](void* context, const CycleState& state) CARGOBAY_NONBLOCKING {
+      const auto& self = *static_cast<Observers*>(context);
+      self.recorded.function(self.recorded.context, state);
+      self.told.function(self.told.context, state);
+    };
+    observer.request = nullptr;
+    observer.event = [](void* context, const Event& event) CARGOBAY_NONBLOCKING {
+      const auto& self = *static_cast<Observers*>(context);
+      self.told.event(self.told.context, event);
+    };
+    return observer;
+  }
+
+  StateObserver recorded{};
+  StateObserver told{};
+};
+
 Calls run_in_virtual_time(sim::Remainder remainder, std::int64_t frames, void (*also)() = nullptr) {
   sim::Device device{sim::Parameters{.remainder = remainder}};
   sim::VirtualLink virtual_link{device};
   UncountedLink link{virtual_link};
   EXPECT_TRUE(bring_up(link, {.packets = oi::kCreate.list(oi::FrameList::reading)}));
   EXPECT_FALSE(link.set_wake_threshold(oi::kCreate.frame_bytes));
-  // With its flight recorder, as for every robot.
-  FlightRecorder recorder;
-  RecordingStream recorded{link, recorder};
+  // With its flight recorder, as for every robot, and others watching.
+  const auto observers = std::make_unique<Observers>();
+  RecordingStream recorded{link, observers->recorder};
   const auto cycle = std::make_unique<ControlCycle>(recorded, ControlCycle::Parameters{});
-  cycle->set_observer(recorder.observer());
+  cycle->set_observer(observers->observer());
   link.cycle = cycle.get();
   Counted counted{.cycle = cycle.get(), .first = 500, .last = 500 + frames, .also = also};
   cycle->set_control({.function = &Counted::control, .context = &counted});
