@@ -81,12 +81,14 @@ plant gpio/planted.hpp    '#include <gpiod.h>'         'third-party header in a 
 plant hal/planted.hpp     '#include <libserialport.h>' 'third-party header in a header'
 plant hal/cli/planted.hpp '#include <CLI/CLI.hpp>'     'third-party header in a header'
 for header in CLI/CLI.hpp toml++/toml.h nlohmann/json.hpp fmt/format.h; do
-  plant hal/planted.cpp     "#include <$header>" 'only hal/cli, hal/config, hal/feed and hal/learnt may'
-  plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli, hal/config, hal/feed and hal/learnt may'
-  plant rt/planted.cpp      "#include <$header>" 'only hal/cli, hal/config, hal/feed and hal/learnt may'
+  plant hal/planted.cpp     "#include <$header>" 'only hal/cli, hal/config, hal/export, hal/feed, hal/learnt and hal/web may'
+  plant hal/sim/planted.cpp "#include <$header>" 'only hal/cli, hal/config, hal/export, hal/feed, hal/learnt and hal/web may'
+  plant rt/planted.cpp      "#include <$header>" 'only hal/cli, hal/config, hal/export, hal/feed, hal/learnt and hal/web may'
 done
-plant hal/export/planted.cpp '#include <fmt/format.h>'      'only hal/cli, hal/config and hal/learnt may'
+plant hal/export/planted.cpp '#include <fmt/format.h>'      'only hal/cli, hal/config, hal/export, hal/feed, hal/learnt and hal/web may'
 plant hal/export/planted.hpp '#include <nlohmann/json.hpp>' 'third-party header in a header'
+plant hal/feed/planted.cpp       '#include <libwebsockets.h>' 'hal does not know'
+plant hal/web/server/planted.hpp '#include <libwebsockets.h>' 'hal does not know'
 # Files that users name.
 plant hal/cli/planted.cpp '#include <fstream>'              'files are read by'
 plant hal/sim/planted.cpp '#include <fstream>'              'files are read by'

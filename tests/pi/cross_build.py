@@ -49,7 +49,7 @@ def cross_build(
     # Not a Release: the command, which is no concern of the tests, would be optimised too.
     run_quietly(
         ["cmake", "-S", SOURCE, "-B", target, "-G", "Ninja",
-         f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}",
+         f"--toolchain={SOURCE}/tests/pi/toolchain.cmake", f"-DCMAKE_SYSROOT={root}", "-DCARGOBAY_WEB=OFF",
          "-DCMAKE_BUILD_TYPE=RelWithDebInfo", f"-DCMAKE_CXX_FLAGS_RELWITHDEBINFO={optimise} -DNDEBUG",
          "-DCMAKE_EXE_LINKER_FLAGS=-s", "-DCMAKE_UNITY_BUILD=ON", "-DCARGOBAY_WERROR=ON"]
     )  # fmt: skip

@@ -1,0 +1,74 @@
+// `/foxglove`: Foxglove's WebSocket protocol in front of a feed.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "hal/export/foxglove_schemas.hpp"
+#include "hal/web/conversation.hpp"
+#include "hal/web/feed_message.hpp"
+#include "hal/web/foxglove/channels.hpp"
+#include "hal/web/foxglove/client_message.hpp"
+#include "hal/web/foxglove/steering.hpp"
+
+namespace cargobay::web {
+
+// One thread. Nothing that a client sends ends it; what is not understood is said in a status.
+class FoxgloveConversation final : public Conversation {
+ public:
+  FoxgloveConversation();
+
+  std::optional<Ending> hear(std::string_view message, bool is_binary) override;
+  void tell(std::string_view line, std::int64_t unix_ns) override;
+
+ private:
+  static constexpr std::size_t kMostSubscriptions = 128;
+  static constexpr std::size_t kMostClientChannels = 16;
+
+  void act(const client_message::Subscribe& message);
+  void act(const client_message::Unsubscribe& message);
+  void act(const client_message::Advertise& message);
+  void act(const client_message::Unadvertise& message);
+  void act(const client_message::GetParameters& message);
+  void act(const client_message::SetParameters& message);
+  void act(const client_message::WatchParameters& message);
+  void act(const client_message::Data& message);
+  void act(const client_message::ServiceCall& message);
+  void act(const client_message::Other& message);
+
+  void greet(std::string_view hello);
+  void choose();
+  void complain(std::string_view text);
+  void fail_call(const client_message::ServiceCall& call, std::string_view text);
+  void answer_call(const client_message::ServiceCall& call, const FeedAnswer& answer);
+  void send_parameters(const std::set<std::string>& names, const std::string& id);
+  void tell_holder(const FeedMessage& message);
+
+  bool is_wanted(ChannelId channel) const;
+  void publish(ChannelId channel, std::int64_t unix_ns, std::string_view payload);
+  void publish_state(const FeedMessage& message, std::int64_t unix_ns);
+  void publish_truth(const FeedMessage& message, std::int64_t unix_ns);
+  void publish_log(const FeedMessage& message, std::int64_t unix_ns);
+  std::int64_t time_of(const FeedMessage& message, std::int64_t unix_ns);
+
+  std::map<std::uint32_t, ChannelId> subscriptions_{};        // by the client's numbers
+  std::set<std::uint32_t> velocity_channels_{};               // likewise
+  std::set<std::string> watched_{};                           // parameters
+  std::map<std::string, std::string> parameters_{};           // name and JSON
+  std::map<std::string, std::string, std::less<>> newest_{};  // lines, of types that come rarely
+  Steering steering_;
+  hal::WaySoFar way_{};
+  std::int64_t path_sent_ns_ = 0;
+  std::optional<double> robot_epoch_s_{};  // when the robot's time was 0
+  std::optional<Pose> odometry_{};         // the newest
+  std::optional<Pose> origin_{};           // of the world, in the frame of the odometry
+  std::string world_{};                    // the line
+  bool is_scene_due_ = true;
+  std::set<std::string> chosen_{};  // types, of the feed
+};
+
+}  // namespace cargobay::web

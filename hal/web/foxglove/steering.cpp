@@ -1,0 +1,82 @@
+#include "hal/web/foxglove/steering.hpp"
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace cargobay::web {
+
+using Json = nlohmann::json;
+
+bool Steering::send(std::string members, Done done) {
+  if (unanswered_.size() >= kMostUnanswered) return false;
+  const std::uint64_t id = next_id_++;
+  unanswered_.emplace(id, std::move(done));
+  request_("{\"id\":" + std::to_string(id) + "," + std::move(members) + "}");
+  return true;
+}
+
+bool Steering::ask(std::string_view what, Done done) {
+  return send("\"do\":" + Json(what).dump(), std::move(done));
+}
+
+bool Steering::drive(const Velocity& velocity, std::function<void(const std::string&)> refused) {
+  wanted_ = velocity;
+  refused_ = std::move(refused);
+  if (asks_for_lease_) return true;  // the newest is sent when it is there
+  if (holds_) {
+    send_velocity();
+    return true;
+  }
+  asks_for_lease_ = true;
+  const Json name(name_);
+  const std::string take = takes_ ? R"(,"take":true)" : "";
+  const bool sent = send(
+      R"("do":"hold","name":)" + name.dump(-1, ' ', true, Json::error_handler_t::replace) + take,
+      [this](const FeedAnswer& answer) {
+        asks_for_lease_ = false;
+        holds_ = answer.ok;
+        if (holds_) {
+          send_velocity();
+        } else {
+          wanted_.reset();
+          refused_(answer.error);
+        }
+      });
+  if (!sent) asks_for_lease_ = false;
+  return sent;
+}
+
+void Steering::send_velocity() {
+  if (!wanted_) return;
+  const Velocity velocity = *std::exchange(wanted_, std::nullopt);
+  const std::string members = R"("do":"drive","velocity_mm_s":)" +
+                              Json(velocity.linear_m_s * 1e3).dump() + R"(,"turn_rate_rad_s":)" +
+                              Json(velocity.angular_rad_s).dump();
+  (void)send(members, [this](const FeedAnswer& answer) {
+    if (answer.ok) return;
+    holds_ = false;  // or out of range: then the next one says so again
+    refused_(answer.error);
+  });
+}
+
+void Steering::release() {
+  wanted_.reset();
+  if (!holds_ && !asks_for_lease_) return;
+  holds_ = false;
+  (void)ask("release", [](const FeedAnswer& /*answer*/) {});
+}
+
+void Steering::answered(const FeedAnswer& answer) {
+  const auto found = unanswered_.find(answer.id);
+  if (found == unanswered_.end()) return;
+  const Done done = std::move(found->second);
+  unanswered_.erase(found);
+  done(answer);
+}
+
+void Steering::held_by(const std::optional<std::string>& name) {
+  if (name != name_) holds_ = false;
+}
+
+}  // namespace cargobay::web
