@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian packages libcargobay0, libcargobay-dev, python3-cargobay and cargobay into
-# build/packages.
+# Builds the Debian packages libcargobay0, libcargobay-dev, python3-cargobay, cargobay and cargobay-web
+# into build/packages.
 # usage: .ci/package.sh [amd64|arm64|armhf]
 # Without an architecture: that of this machine. For another it is cross-compiled.
 # Asks nothing; installs what is missing. For the Debian that it runs on: packages for Debian 13 are
@@ -59,10 +59,11 @@ LDFLAGS="$(flags LDFLAGS) -Wl,--as-needed"
 export CFLAGS CXXFLAGS LDFLAGS
 
 logged "configuring for $architecture" cmake --preset "$preset" -B "$tree" \
-  -D CMAKE_INSTALL_PREFIX=/usr -D CARGOBAY_COMMAND=ON -D CARGOBAY_SHARED=ON -D BUILD_TESTING=OFF
+  -D CMAKE_INSTALL_PREFIX=/usr -D CARGOBAY_COMMAND=ON -D CARGOBAY_WEB=ON \
+  -D CARGOBAY_SHARED=ON -D BUILD_TESTING=OFF
 # What is packed, and not the examples.
 logged "building (some minutes the first time)" cmake --build "$tree" -j "${CARGOBAY_JOBS:-$(nproc)}" \
-  --target cargobay cargobay_shared cargobay_guard
+  --target cargobay cargobay_web_program cargobay_shared cargobay_guard
 rm -f "$packages"/*_"$architecture".deb "$packages"/python3-cargobay_*_all.deb
 logged "packing" for_architecture cpack --config "$tree/CPackConfig.cmake" -B "$packages"
 rm -rf "$packages/_CPack_Packages"

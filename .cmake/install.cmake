@@ -1,6 +1,6 @@
 # What is installed where, and the Debian packages that .ci/package.sh makes of it. Included last.
 # Each component is a package: library (libcargobay0), development (libcargobay-dev), python
-# (python3-cargobay), command (cargobay).
+# (python3-cargobay), command (cargobay), web (cargobay-web).
 if(NOT PROJECT_IS_TOP_LEVEL OR NOT TARGET cargobay_shared)
   return()
 endif()
@@ -68,6 +68,7 @@ install(DIRECTORY examples/rust DESTINATION ${examples_dir} COMPONENT developmen
 if(TARGET cargobay)
   install(TARGETS cargobay RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
   file(GLOB pages CONFIGURE_DEPENDS docs/man/*.1 docs/man/*.5)
+  list(FILTER pages EXCLUDE REGEX "/cargobay-web\\.1$")
   foreach(page IN LISTS pages)
     string(REGEX MATCH "[0-9]$" section ${page})
     compressed(${page} ${CMAKE_INSTALL_MANDIR}/man${section} command)
@@ -90,16 +91,26 @@ if(TARGET cargobay)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay COMPONENT command)
 endif()
 
+# The page in the browser, which `cargobay serve` starts from beside itself.
+if(TARGET cargobay_web_program)
+  install(TARGETS cargobay_web_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT web)
+  compressed(${PROJECT_SOURCE_DIR}/docs/man/cargobay-web.1 ${CMAKE_INSTALL_MANDIR}/man1 web)
+endif()
+
 add_subdirectory(hal/python)
 
 set(CPACK_COMPONENTS_ALL library development python)
 if(TARGET cargobay)
   list(APPEND CPACK_COMPONENTS_ALL command)
 endif()
+if(TARGET cargobay_web_program)
+  list(APPEND CPACK_COMPONENTS_ALL web)
+endif()
 set(package_library libcargobay0)
 set(package_development libcargobay-dev)
 set(package_python python3-cargobay)
 set(package_command cargobay)
+set(package_web cargobay-web)
 
 set(release 1)  # of the packages of this version
 string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, if set
@@ -197,6 +208,7 @@ This package contains the Python package cargobay, and examples.")
 
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME ${package_command})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION electronics)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "cargobay-web")
 # rsvg-convert makes PNGs of drawings.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, cargobay")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS "python3-cargobay, librsvg2-bin")
@@ -211,5 +223,19 @@ Create, in real or virtual time, replaces a robot.
 This package contains the command cargobay, which brings a robot up, drives,
 records and replays, measures timing and serves virtual robots; a udev rule for
 serial adapters and GPIO, and a systemd unit for controllers.")
+
+set(CPACK_DEBIAN_WEB_PACKAGE_NAME ${package_web})
+set(CPACK_DEBIAN_WEB_PACKAGE_SECTION electronics)
+set(CPACK_DEBIAN_WEB_PACKAGE_RECOMMENDS "cargobay")
+set(CPACK_COMPONENT_WEB_DESCRIPTION
+"real-time control of the iRobot Create (page in the browser)
+Cargobay drives the iRobot Create, the 2006 robot with the Open Interface, from
+a computer in its cargo bay. A real-time thread wakes on every 15 ms sensor
+frame, estimates the wheel speeds and closes the velocity loop. A virtual
+Create, in real or virtual time, replaces a robot.
+
+This package contains the program cargobay-web, which \"cargobay serve\" starts:
+a page in the browser that shows a robot and steers it, and a server for
+Foxglove.")
 
 include(CPack)

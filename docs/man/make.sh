@@ -101,7 +101,7 @@ page() {
   local purpose
   purpose=$(CARGOBAY_ASKED=$program CARGOBAY_SUBCOMMAND="$*" "$made/rearranged" --help |
     sed -n '3,$p' | tr '\n' ' ' | sed -E 's/[.:;].*//; s/^(.)/\L\1/')
-  (($#)) || purpose='real-time control of the iRobot Create, and a virtual Create'
+  [[ $name != cargobay ]] || purpose='real-time control of the iRobot Create, and a virtual Create'
   CARGOBAY_ASKED=$program CARGOBAY_SUBCOMMAND="$*" SOURCE_DATE_EPOCH=0 \
     help2man --no-info --name "$purpose" --source cargobay --manual "Cargobay" --section 1 \
     --version-string "$("$program" --version)" "${includes[@]}" "$made/rearranged" > "$made/page"
@@ -129,6 +129,12 @@ for subcommand in $(subcommands); do
     page "cargobay-$subcommand-$further" "$subcommand" "$further"
   done
 done
+# A program of its own, beside the command; it may not have been built.
+if [[ -x ${program%/*}/cargobay-web ]]; then
+  program=${program%/*}/cargobay-web page cargobay-web
+elif [[ -f $here/cargobay-web.1 ]]; then
+  cp "$here/cargobay-web.1" "$made"
+fi
 rm -f "$made/page"
 
 status=0

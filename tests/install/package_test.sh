@@ -16,8 +16,8 @@ release=${2:-$(. /etc/os-release && echo "${VERSION_CODENAME:-}")}
 shopt -s nullglob
 packages=("$1"/*cargobay*_"$architecture".deb "$1"/python3-cargobay_*_all.deb)
 shopt -u nullglob
-((${#packages[@]} == 4)) ||
-  { echo "package_test.sh: $1 has ${#packages[@]} packages for $architecture, not 4" >&2; exit 2; }
+((${#packages[@]} == 5)) ||
+  { echo "package_test.sh: $1 has ${#packages[@]} packages for $architecture, not 5" >&2; exit 2; }
 (($(id -u) == 0)) || { echo "package_test.sh: needs root, for debootstrap and chroot" >&2; exit 1; }
 
 mirror=${CARGOBAY_MIRROR:-http://deb.debian.org/debian}
@@ -103,7 +103,7 @@ nothing_left() {
 }
 
 install='apt-get install -q -y --no-install-recommends /packages/*.deb'
-purge='apt-get purge -q -y --autoremove cargobay python3-cargobay libcargobay-dev libcargobay0'
+purge='apt-get purge -q -y --autoremove cargobay cargobay-web python3-cargobay libcargobay-dev libcargobay0'
 
 # First, what the packages pull in themselves.
 step "package lists" inside 'apt-get update -q'
@@ -113,6 +113,14 @@ trap 'rm -f "$log.before"; leave' EXIT
 step "apt-get install, nothing else there" inside "$install"
 step "cargobay --version" inside 'cargobay --version'
 step "cargobay drive, a second on a virtual Create" inside 'cargobay drive --duration 1'
+# Bash's own sockets: there is no client in a minimal Debian.
+step "cargobay-web serves its page" inside 'cargobay-web --version
+  cargobay-web --http 127.0.0.1:8099 > web.log & web=$!
+  trap "kill $web" EXIT
+  for _ in $(seq 50); do grep -q serving web.log && break; sleep 0.1; done
+  exec 3<> /dev/tcp/127.0.0.1/8099
+  printf "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" >&3
+  grep -q "</html>" <&3'
 guard=$(inside 'find /usr/lib -name cargobay-guard')
 step "the guard is where the library looks for it: $guard" \
   inside "mv $guard $guard.away; ! cargobay drive --duration 1 || exit 1; mv $guard.away $guard
@@ -162,7 +170,7 @@ with Sim() as sim:
     assert truth.mode == Mode.PASSIVE and abs(truth.left_mm_s) < 10.0
 END
 step "a Python program is killed: its guard stops the robot" inside 'python3 killed.py'
-step "man pages" inside "for page in cargobay.1 cargobay-drive.1; do
+step "man pages" inside "for page in cargobay.1 cargobay-drive.1 cargobay-web.1; do
   zcat /usr/share/man/man1/\$page.gz | grep -q '^.TH CARGOBAY'; done
   zcat /usr/share/man/man5/cargobay.toml.5.gz | grep -q '^.TH CARGOBAY'"
 step "lintian" inside \
