@@ -21,7 +21,8 @@ check() {
   while read -r file; do
     count=$(wc -l < "$file")
     ((count <= most_lines)) || { echo "$file has $count lines: split it, at most $most_lines"; found=1; }
-  done < <(find oi rt gpio hal -type f \( -name '*.?pp' -o -name '*.h' -o -name '*.c' \) | grep -vE "$long_ones" | sort)
+  done < <(find oi rt gpio hal -type f \( -name '*.?pp' -o -name '*.h' -o -name '*.c' \
+    -o -name '*.js' -o -name '*.css' \) | grep -vE "$long_ones" | sort)
   while read -r count class; do
     ((count <= most_members)) || { echo "$class has $count members: make parts of it, at most $most_members"; found=1; }
   done < <(members)

@@ -1,0 +1,467 @@
+#!/usr/bin/python3
+"""The page in Debian's chromium: it drives a virtual Create by keys and by touch, follows it, shows
+what happens, survives its server, stops when nobody looks, and can be used by everybody.
+
+usage: tests/page/page_test.py BUILD [unittest's arguments]
+"""
+
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+from selenium.webdriver.common.keys import Keys
+
+from browser import DESKTOP, PHONE, Browser
+from served import ROOT, Served, until
+
+HERE = pathlib.Path(__file__).resolve().parent
+NEAR_MM = 50
+MOST_BYTES = 300_000
+MOST_FILES = 26
+
+
+class PageTest(unittest.TestCase):
+    """One server for all, one browser for each."""
+
+    slower = 1
+
+    @classmethod
+    def setUpClass(cls):
+        cls.served = Served(BUILD)
+        cls.addClassCleanup(cls.served.close)
+        cls.browsers = {}
+        cls.addClassCleanup(lambda: [each.close() for each in cls.browsers.values()])
+
+    def setUp(self):
+        self.feed = self.served.feed()
+        self.addCleanup(lambda: self.feed.close())
+        self.feed.ask({"do": "stop"})
+
+    def page(self, **options):
+        """In a browser that is kept for the next test."""
+        kind = json.dumps(options)
+        if kind not in self.browsers:
+            self.browsers[kind] = Browser(slower=self.slower, **options)
+        browser = self.browsers[kind]
+        browser.open(self.served.url)
+        self.addCleanup(browser.leave)
+        return browser
+
+    def page_of_its_own(self):
+        browser = Browser(slower=self.slower)
+        self.addCleanup(browser.close)
+        browser.open(self.served.url)
+        return browser
+
+    def control(self, line):
+        answer = self.feed.ask({"do": "control", "line": line})
+        self.assertTrue(answer["ok"], answer)
+
+    def moved(self, start, mm):
+        """Waits until the robot is so far from where it was."""
+
+        def far():
+            pose = self.feed.now("truth")["pose"]
+            return abs(pose["x_mm"] - start["x_mm"]) + abs(pose["y_mm"] - start["y_mm"]) > mm
+
+        until(far, f"a robot that drove {mm} mm")
+
+    def assert_stops(self, why):
+        until(lambda: self.feed.now("state")["set_mm_s"] == {"left": 0, "right": 0},
+              f"speeds set to 0 after {why}")
+        self.feed.standing()
+
+    def assert_on_the_map(self, browser):
+        """Odometry and truth as drawn are where the robot is."""
+        pose = self.feed.standing()["pose"]
+
+        def there():
+            drawn = [*browser.both_poses()]
+            return all(each and abs(each[0] - pose["x_mm"]) <= NEAR_MM and
+                       abs(each[1] - pose["y_mm"]) <= NEAR_MM for each in drawn)
+
+        until(there, f"both within {NEAR_MM} mm of {pose}, not {browser.both_poses()}", 5)
+
+
+class Driving(PageTest):
+    def test_by_keys(self):
+        browser = self.page()
+        browser.steer()
+        start = self.feed.now("truth")["pose"]
+        browser.key("w", down=True)
+        self.moved(start, 300)
+        for _ in range(5):  # each picture shows both; they come from different messages
+            odometry, truth = browser.both_poses()
+            self.assertLessEqual(abs(odometry[0] - truth[0]), NEAR_MM)
+            self.assertLessEqual(abs(odometry[1] - truth[1]), NEAR_MM)
+        browser.key("w", down=False)
+        self.assert_stops("a key was let go")
+        self.assert_on_the_map(browser)
+        heading = self.feed.now("truth")["pose"]["heading_deg"]
+        browser.key(Keys.ARROW_LEFT, down=True)
+        until(lambda: 20 < (self.feed.now("truth")["pose"]["heading_deg"] - heading) % 360 < 180,
+              "a robot that turned left")
+        browser.key(Keys.ARROW_LEFT, down=False)
+        self.assert_stops("a key was let go")
+        self.assert_on_the_map(browser)
+        self.assertEqual(browser.complaints(), [])
+
+    def test_by_touch(self):
+        browser = self.page(size=PHONE)
+        browser.steer()
+        start = self.feed.now("truth")["pose"]
+        browser.touch("touchStart", "#stick")
+        browser.touch("touchMove", "#stick", down=-0.9)
+        self.moved(start, 300)
+        browser.touch("touchEnd")
+        self.assert_stops("the stick was let go")
+        self.assert_on_the_map(browser)
+        self.assertEqual(browser.complaints(), [])
+
+    def test_by_gamepad(self):
+        browser = self.page()
+        browser.run("""
+            window.pad = {connected: true, axes: [0, 0], buttons: [{pressed: false},
+                          {pressed: false}]};
+            navigator.getGamepads = () => [window.pad];
+            dispatchEvent(new Event("gamepadconnected"));""")
+        browser.steer()
+        start = self.feed.now("truth")["pose"]
+        browser.run("window.pad.axes = [0, -1]")
+        self.moved(start, 100)
+        browser.run("window.pad.buttons[1].pressed = true")
+        self.assert_stops("the gamepad's button")
+        until(lambda: self.feed.holder() is None, "a free lease")
+        browser.run("window.pad.buttons[1].pressed = false")
+        # The stick was never let go: it does nothing until it was.
+        browser.steer()
+        until(lambda: self.feed.holder(), "a holder")
+        self.assertEqual(browser.text("wanted"), "nothing is held")
+
+    def test_keys_do_nothing_without_the_lease(self):
+        browser = self.page()
+        browser.key("w", down=True)
+        self.assertEqual(browser.text("wanted"), "nothing is held")
+        self.assertIsNone(self.feed.holder())
+        browser.steer()
+        browser.click("#release")
+        until(lambda: self.feed.holder() is None, "a lease that was given back")
+
+
+class Stopping(PageTest):
+    def drive(self, browser):
+        browser.steer()
+        browser.key("w", down=True)
+        self.moved(self.feed.now("truth")["pose"], 60)
+        return browser
+
+    def test_by_escape_space_and_button(self):
+        for stop in (lambda page: page.key(Keys.ESCAPE, down=True),
+                     lambda page: page.key(Keys.SPACE, down=True),
+                     lambda page: page.click("#stop")):
+            browser = self.drive(self.page())
+            stop(browser)
+            self.assert_stops("a stop")
+            until(lambda: self.feed.holder() is None, "a free lease")
+
+    def test_from_a_page_that_does_not_steer(self):
+        self.drive(self.page())
+        other = self.page(size=PHONE)
+        self.assertIn("steers", other.text("holder"))
+        other.click("#stop")
+        self.assert_stops("another page's stop")
+        until(lambda: self.feed.holder() is None, "a free lease")
+
+    def test_when_the_window_is_no_longer_looked_at(self):
+        browser = self.drive(self.page())
+        browser.run("dispatchEvent(new Event('blur'))")
+        self.assert_stops("a blur")
+        self.assertIsNotNone(self.feed.holder())
+
+    def test_when_the_tab_is_hidden(self):
+        browser = self.drive(self.page_of_its_own())
+        browser.driver.switch_to.new_window("tab")
+        self.assert_stops("the tab was hidden")
+        until(lambda: self.feed.holder() is None, "a free lease")
+
+    def test_when_the_tab_is_closed(self):
+        browser = self.drive(self.page_of_its_own())
+        page = browser.driver.current_window_handle
+        browser.driver.switch_to.new_window("window")
+        other = browser.driver.current_window_handle
+        browser.driver.switch_to.window(page)
+        browser.driver.close()
+        browser.driver.switch_to.window(other)
+        self.assert_stops("the tab was closed")
+        until(lambda: self.feed.holder() is None, "a free lease")
+
+    def test_when_a_touch_is_cancelled(self):
+        browser = self.page(size=PHONE)
+        browser.steer()
+        browser.touch("touchStart", "#stick")
+        browser.touch("touchMove", "#stick", down=-0.9)
+        self.moved(self.feed.now("truth")["pose"], 60)
+        browser.touch("touchCancel")
+        self.assert_stops("a touch was cancelled")
+
+
+class Lease(PageTest):
+    def test_is_taken_explicitly_and_from_whom_is_said(self):
+        browser = self.page()
+        self.assertTrue(self.feed.ask({"do": "hold", "name": "Ada"})["ok"])
+        until(lambda: browser.text("hold") == "Take it from Ada", "from whom it takes")
+        browser.click("#hold")
+        until(lambda: browser.text("holder") == "you steer", "a page that steers")
+        self.assertNotEqual(self.feed.holder(), "Ada")
+
+    def test_taken_by_another_one_ends_the_steering(self):
+        browser = self.page()
+        browser.steer()
+        browser.key("w", down=True)
+        self.assertTrue(self.feed.ask({"do": "hold", "name": "Ada", "take": True})["ok"])
+        until(lambda: browser.text("holder") == "Ada steers", "who steers")
+        self.assertEqual(browser.text("wanted"), "nothing is held")
+        self.assert_stops("the lease was taken")
+
+    def test_lasts_while_the_page_stands_still(self):
+        browser = self.page()
+        browser.steer()
+        tick = self.feed.now("state")["tick"]
+        lapse_ticks = 4 * self.feed.newest["hello"]["lease_s"] / 0.015
+        until(lambda: self.feed.now("state")["tick"] > tick + lapse_ticks, "some leases' time")
+        self.assertEqual(browser.text("holder"), "you steer")
+        self.assertIsNotNone(self.feed.holder())
+
+
+class Showing(PageTest):
+    # No client of the feed can bring them about: a control function of a program; another program
+    # at the port; counters that fail, which tests/hal has.
+    NOT_HERE = {"control_refused", "port_shared", "counters_implausible"}
+
+    def test_each_event(self):
+        browser = self.page()
+        seen = len(self.feed.events)
+
+        def provoke(what, *lines):
+            for line in lines:
+                self.control(line)
+            until(lambda: self.feed.now("state") and self.happened(what, seen), what)
+
+        provoke("bump_began", "bump left")
+        provoke("bump_ended", "bump none")
+        provoke("overcurrent_began", "overcurrent ld0 on")
+        provoke("overcurrent_ended", "overcurrent ld0 off")
+        provoke("battery_low", "battery 1")
+        provoke("battery_recovered", "battery 2600")
+        provoke("frames_lost", "fault garbled-frame 3")
+        provoke("silence_began", "fault stalled-stream 250")
+        provoke("silence_ended")
+        self.steer_from_here(300, 300)
+        provoke("setpoint_lapsed")
+        provoke("mode_lost", "wheeldrop left on")
+        browser.steer()
+        browser.click("#rearm")
+        provoke("rearm_failed")
+        self.control("wheeldrop left off")
+        browser.click("#rearm")
+        provoke("rearmed")
+        self.control("place 1500 1000 90")
+        self.control("stuck left 2000")
+        self.steer_from_here(200, -200, lambda: self.happened("wheel_stuck", seen))
+        self.control("place 1500 1000 90")
+        self.steer_from_here(-500, 500, lambda: self.happened("limit_began", seen))
+        self.steer_from_here(0, 0, lambda: self.happened("limit_ended", seen))
+        provoke("charging_began", "charger on")
+        provoke("charging_ended", "charger off")
+        for event in self.feed.events[seen:]:
+            until(lambda: [event["what"], event["text"]] in browser.events(), event)
+        rows = (ROOT / "hal/sensing/events.cpp").read_text()
+        kinds = set(re.findall(r'\{EventKind::\w+, "(\w+)"', rows))
+        self.assertGreater(len(kinds), 20)
+        self.assertEqual(kinds - self.NOT_HERE, {each["what"] for each in self.feed.events[seen:]})
+        self.assertEqual(browser.complaints(), [])
+
+    def happened(self, what, since):
+        return what in [event["what"] for event in self.feed.events[since:]]
+
+    def steer_from_here(self, left, right, enough=lambda: True):
+        """Without the page: what it would refuse, such as a setpoint that is not renewed."""
+        self.feed.ask({"do": "hold", "name": "test", "take": True})
+
+        def drive():
+            self.feed.ask({"do": "drive", "left_mm_s": left, "right_mm_s": right})
+            return enough()
+
+        until(drive, f"what {left}, {right} mm/s brings about")
+
+    def test_what_the_robot_feels(self):
+        browser = self.page()
+        sensors = lambda: browser.text("sensors")
+        self.control("bump right")
+        until(lambda: "bump right" in sensors(), "the bumper")
+        self.control("bump none")
+        self.control("ir 242")
+        until(lambda: "242" in sensors(), "the infrared byte")
+        self.control("ir 255")
+        self.control("hold play")
+        until(lambda: "play" in sensors(), "the button")
+        self.control("release play")
+        until(lambda: browser.run("return document.querySelectorAll('#latency-table td')[1]"
+                                  ".textContent") not in ("", "–"), "latencies")
+
+    def test_everything_that_can_be_done_to_a_virtual_create(self):
+        browser = self.page()
+        controls = self.feed.newest["controls"]
+        self.assertGreater(len(controls["faults"]), 10)
+        legends = browser.run("return [...document.querySelectorAll('#virtual legend')]"
+                              ".map((each) => each.textContent)")
+        shown = [each["name"] for each in controls["controls"]
+                 if each["name"] not in ("fault", "state", "help")]
+        shown += [each["name"] for each in controls["faults"]]
+        self.assertEqual(legends, [name.replace("-", " ") for name in shown])
+        seen = len(self.feed.events)
+        browser.click("[data-line='bump both']")
+        self.feed.read_until(lambda: "bump_began" in [each["what"] for each in
+                                                      self.feed.events[seen:]])
+        browser.click("[data-line='bump none']")
+
+    def test_a_virtual_create_is_carried_on_the_map(self):
+        browser = self.page()
+        browser.click("#drag")
+        before = self.feed.standing()["pose"]
+        browser.touch("touchStart", "#map")
+        browser.touch("touchMove", "#map", right=0.1)
+        browser.touch("touchEnd")
+        self.moved(before, 60)
+        self.assert_on_the_map(browser)
+        browser.click("#drag")
+
+
+class Loading(PageTest):
+    def test_little_and_from_nowhere_else(self):
+        browser = self.page()
+        files = browser.run("""return performance.getEntriesByType("resource")
+            .concat(performance.getEntriesByType("navigation"))
+            .map(({name, decodedBodySize, duration}) => [name, decodedBodySize, duration])""")
+        self.assertLessEqual(sum(size for _, size, _ in files), MOST_BYTES)
+        self.assertLessEqual(len(files), MOST_FILES)
+        self.assertEqual(browser.complaints(), [])  # the policy forbids other addresses, loudly
+        for name, _, _ in files:
+            self.assertEqual(name.split("/")[2], self.served.url.split("/")[2])
+        loaded_ms = browser.run("return performance.timing.loadEventEnd - "
+                                "performance.timing.navigationStart")
+        print(f"loaded in {loaded_ms} ms, {sum(size for _, size, _ in files)} bytes")
+
+    def test_its_memories_do_not_grow(self):
+        browser = self.page()
+        lengths = browser.driver.execute_async_script("""
+            const done = arguments[0];
+            import("./history.js").then(({Ring, Track}) => {
+              const ring = new Ring(10);
+              const track = new Track(10, 1);
+              for (let i = 0; i < 1000; i += 1) { ring.push(i); track.add(2 * i, 0); }
+              const xs = [];
+              track.forEach((x) => xs.push(x));
+              done([ring.length, ring.at(0), ring.at(-1), track.length, xs[0], xs[9]]);
+            });""")
+        self.assertEqual(lengths, [10, 990, 999, 10, 1980, 1998])
+
+    def test_after_the_server_was_away(self):
+        browser = self.page()
+        browser.steer()
+        browser.key("w", down=True)
+        self.served.stop()
+        until(lambda: "not connected" in browser.text("link"), "a page without a connection")
+        self.assertEqual(browser.text("wanted"), "nothing is held")
+        self.served.start()
+        self.feed.close()
+        self.feed = self.served.feed()
+        until(lambda: browser.text("link") == "connected", "a page that is connected again")
+        self.assertIn("was not connected once", browser.text("gap"))
+        self.assertEqual(browser.text("holder"), "nobody steers")
+        browser.key("w", down=False)
+        self.assert_on_the_map(browser)
+        # Chromium itself says that nobody answered.
+        for said in browser.complaints():
+            self.assertIn("WebSocket connection to", said)
+
+
+class Everybody(PageTest):
+    def axe(self):
+        folder = BUILD / "tests/page_npm"
+        script = folder / "node_modules/axe-core/axe.min.js"
+        if not script.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            for name in ("package.json", "package-lock.json"):
+                (folder / name).write_bytes((HERE / name).read_bytes())
+            npm = shutil.which("npm") or self.skipTest("npm is missing")
+            done = subprocess.run([npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
+                                  cwd=folder, capture_output=True, text=True, check=False)
+            if done.returncode != 0:
+                self.skipTest(f"npm ci: {done.stderr[-300:]}")
+        return script.read_text()
+
+    def violations(self, browser):
+        browser.run("document.querySelectorAll('details').forEach((each) => each.open = true)")
+        browser.cdp("Runtime.evaluate", expression=self.axe())
+        found = browser.driver.execute_async_script(
+            "axe.run({resultTypes: ['violations']}).then(arguments[0])")
+        self.assertGreater(len(found["passes"]), 20)
+        return [f"{each['id']}: {each['nodes'][0]['html']}" for each in found["violations"]]
+
+    def test_roles_names_and_contrast(self):
+        for size in (DESKTOP, PHONE):
+            for dark in (False, True):
+                with self.subTest(size=size, dark=dark):
+                    browser = self.page(size=size, dark=dark)
+                    browser.steer()
+                    self.control("cliff left on")
+                    until(lambda: "cliff left" in browser.text("hazards"), "a hazard")
+                    self.assertEqual(self.violations(browser), [])
+                    self.control("cliff left off")
+                    self.assertFalse(browser.run(
+                        "return document.documentElement.scrollWidth > innerWidth"))
+
+    def test_the_checker_finds_what_is_planted(self):
+        browser = self.page()
+        browser.run("""document.querySelector("main").insertAdjacentHTML("beforeend",
+            "<section><button></button><p class='planted'>pale</p></section>");
+            const pale = document.querySelector(".planted");
+            pale.style.color = "#999"; pale.style.background = "#fff";""")
+        found = " ".join(self.violations(browser))
+        self.assertIn("button-name", found)
+        self.assertIn("color-contrast", found)
+
+    def test_the_stop_can_always_be_pressed(self):
+        for size in (DESKTOP, PHONE):
+            browser = self.page(size=size)
+            for where in (0, 0.5, 1):
+                top = browser.run("""
+                    scrollTo(0, arguments[0] * document.documentElement.scrollHeight);
+                    const box = document.getElementById("stop").getBoundingClientRect();
+                    return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2)
+                        ?.id""", where)
+                self.assertEqual(top, "stop")
+
+
+class OnASlowComputer(Driving):
+    """The same with a quarter of the processor."""
+
+    slower = 4
+
+    def test_nothing_is_missed(self):
+        browser = self.page()
+        tick = self.feed.now("state")["tick"]
+        until(lambda: self.feed.now("state")["tick"] > tick + 300, "some seconds of drive")
+        self.assertEqual(browser.text("gap"), "This page has missed nothing.")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+    unittest.main(verbosity=2)
