@@ -17,7 +17,7 @@ test=("${quick[@]}" librapidcheck-dev libbenchmark-dev libboost-dev spin help2ma
   crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64
   libncurses-dev:arm64 libwebsockets-dev:arm64 libqrencode-dev:arm64 libgtest-dev:arm64 libgmock-dev:arm64 g++-arm-linux-gnueabihf python3
   qemu-system-arm device-tree-compiler cpio doxygen debootstrap cargo bindgen mypy python3-numpy libglib2.0-dev qt6-base-dev
-  zsh fish nodejs openssl)
+  zsh fish nodejs openssl chromium chromium-driver python3-selenium)
 package=("${run[@]}" dpkg-dev file)
 package_arm64=("${package[@]}" crossbuild-essential-arm64
   libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64 libncurses-dev:arm64

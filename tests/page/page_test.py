@@ -70,6 +70,9 @@ class PageTest(unittest.TestCase):
 
         until(far, f"a robot that drove {mm} mm")
 
+    def happened(self, what, since):
+        return what in [event["what"] for event in self.feed.events[since:]]
+
     def assert_stops(self, why):
         until(lambda: self.feed.now("state")["set_mm_s"] == {"left": 0, "right": 0},
               f"speeds set to 0 after {why}")
@@ -230,11 +233,13 @@ class Lease(PageTest):
     def test_lasts_while_the_page_stands_still(self):
         browser = self.page()
         browser.steer()
+        seen = len(self.feed.events)
         tick = self.feed.now("state")["tick"]
         lapse_ticks = 4 * self.feed.newest["hello"]["lease_s"] / 0.015
         until(lambda: self.feed.now("state")["tick"] > tick + lapse_ticks, "some leases' time")
         self.assertEqual(browser.text("holder"), "you steer")
         self.assertIsNotNone(self.feed.holder())
+        self.assertFalse(self.happened("setpoint_lapsed", seen))
 
 
 class Showing(PageTest):
@@ -284,9 +289,6 @@ class Showing(PageTest):
         self.assertGreater(len(kinds), 20)
         self.assertEqual(kinds - self.NOT_HERE, {each["what"] for each in self.feed.events[seen:]})
         self.assertEqual(browser.complaints(), [])
-
-    def happened(self, what, since):
-        return what in [event["what"] for event in self.feed.events[since:]]
 
     def steer_from_here(self, left, right, enough=lambda: True):
         """Without the page: what it would refuse, such as a setpoint that is not renewed."""

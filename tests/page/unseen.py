@@ -42,8 +42,9 @@ NOTE = """for (const event of ["visibilitychange", "pagehide"]) addEventListener
     localStorage.setItem("unseen", localStorage.getItem("unseen") ?? Date.now()), true);"""
 
 
-def noted(browser, served, other):
-    browser.driver.switch_to.window(other)
+def noted(browser, served, page):
+    others = [each for each in browser.driver.window_handles if each != page]
+    browser.driver.switch_to.window(others[0])
     browser.driver.get(served.url + "icon.svg")
     return float(browser.run("return localStorage.getItem('unseen')")) / 1000
 
@@ -64,9 +65,9 @@ def once(served, happening):
     browser = Browser()
     try:
         page = browser.driver.current_window_handle
-        browser.driver.switch_to.new_window("window")
-        other = browser.driver.current_window_handle
-        browser.driver.switch_to.window(page)
+        if happening == "closed":  # the last window of a browser is not closed
+            browser.driver.switch_to.new_window("window")
+            browser.driver.switch_to.window(page)
         browser.open(served.url)
         browser.run(NOTE)
         browser.steer()
@@ -79,7 +80,7 @@ def once(served, happening):
         feed.read_until(lambda: feed.newest["state"]["unix_time_s"] > began and
                         feed.newest["state"]["set_mm_s"] == {"left": 0, "right": 0})
         if happening in ("hidden", "closed"):
-            began = noted(browser, served, other)
+            began = noted(browser, served, page)
         return feed.newest["state"]["unix_time_s"] - began
     finally:
         send(browser.driver, signal.SIGCONT)
