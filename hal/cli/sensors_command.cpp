@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "hal/bring_up/other_end.hpp"
 #include "hal/bring_up/sensor_stream.hpp"
+#include "hal/cli/attached/feed_frames.hpp"
 #include "hal/cli/commands.hpp"
 #include "hal/cli/connect/connection.hpp"
 #include "hal/cli/connect/open_for_use.hpp"
@@ -40,6 +42,7 @@ struct SensorsOptions {
   bool once = false;
 };
 
+constexpr rt::Duration kFirstFramePatience = std::chrono::seconds{3};
 constexpr rt::Duration kRefresh = std::chrono::milliseconds{200};
 
 // Without those that another one contains: the second distance of a frame is that since the first.
@@ -82,25 +85,29 @@ class Printer {
   JsonLine json_;
 };
 
+// The next frame; nothing if none came within a time in which signals may wait.
+using NextFrame = std::function<hal::Result<std::optional<hal::SensorFrame>>()>;
+
 // Shows one frame after the other, as a line of JSON each or, at a rate that eyes can follow, on
 // the whole screen.
 class Watch {
  public:
   // All of them outlive it; without a screen, frames are printed.
   Watch(const Printer& printer, const std::vector<oi::PacketId>& packets, std::string where,
-        hal::SensorStream& stream, Screen* screen)
+        NextFrame next, Screen* screen)
       : printer_{printer},
         packets_{packets},
-        stream_{stream},
+        next_{std::move(next)},
         screen_{screen},
         picture_{.where = std::move(where)} {}
 
   // Until a signal, or until nothing reads what is printed.
   hal::Result<void> run(StopSignals& signals) {
     while (!signals.wait(rt::Duration::zero()).has_value() && !output_error()) {
-      const auto frame = stream_.next();
+      const auto frame = next_();
       if (!frame) return frame.failure();
-      take(*frame);
+      if (!*frame) continue;
+      take(**frame);
       if (screen_ != nullptr) {
         draw();
       } else {
@@ -108,6 +115,19 @@ class Watch {
       }
       // A table that cannot be replaced is printed once.
       if (screen_ == nullptr && !printer_.as_json()) break;
+    }
+    return {};
+  }
+
+  // Prints the first one.
+  hal::Result<void> show_one(StopSignals& signals) {
+    while (!signals.wait(rt::Duration::zero()).has_value()) {
+      const auto frame = next_();
+      if (!frame) return frame.failure();
+      if (!*frame) continue;
+      take(**frame);
+      print();
+      break;
     }
     return {};
   }
@@ -132,7 +152,7 @@ class Watch {
 
   const Printer& printer_;
   const std::vector<oi::PacketId>& packets_;
-  hal::SensorStream& stream_;
+  NextFrame next_;
   Screen* screen_;
   SensorPicture picture_;
   rt::TimePoint first_{};
@@ -150,7 +170,12 @@ hal::Result<void> watch(const Printer& printer, const std::vector<oi::PacketId>&
     print_remark(why + "; asking for one reading after the other");
   std::unique_ptr<Screen> screen;
   if (!printer.as_json()) screen = Screen::open(ControlZ::suspends);
-  Watch frames{printer, packets, fmt::format("{} at {} baud", name, port.baud()), **stream,
+  const NextFrame next = [&stream]() -> hal::Result<std::optional<hal::SensorFrame>> {
+    const auto frame = (*stream)->next();
+    if (!frame) return frame.failure();
+    return std::optional{*frame};
+  };
+  Watch frames{printer, packets, fmt::format("{} at {} baud", name, port.baud()), next,
                screen.get()};
   return frames.run(signals);
 }
@@ -166,6 +191,41 @@ hal::Result<void> read_once(const Printer& printer, const std::vector<oi::Packet
   return {};
 }
 
+// The robot of a port that another process drives, as its feed tells.
+hal::Result<void> watch_feed(const Printer& printer, const std::vector<oi::PacketId>& packets,
+                             FeedFrames& feed, bool once, StopSignals& signals) {
+  const FeedHello& hello = feed.news().hello;
+  const std::string where = fmt::format("{}{} at {} baud, by {}",
+                                        hello.robot == "virtual Create" ? "virtual Create on " : "",
+                                        hello.port, hello.baud, hello.program);
+  std::optional<Progress> progress{std::in_place, "waiting for a frame of the drive"};
+  const rt::TimePoint limit = rt::Clock::now() + kFirstFramePatience;
+  bool waited = false;
+  const NextFrame next = [&]() -> hal::Result<std::optional<hal::SensorFrame>> {
+    auto frame = feed.next(packets);
+    if (frame && !*frame && !waited && rt::Clock::now() > limit) {
+      return hal::Failure{
+          "no frame with these packets came within 3 s: the drive does not read "
+          "them, or its robot is lost; its feed says: " +
+          feed.news().text};
+    }
+    if (frame && *frame) waited = true;
+    if (waited) progress.reset();
+    return frame;
+  };
+  std::unique_ptr<Screen> screen;
+  if (!once && !printer.as_json()) screen = Screen::open(ControlZ::suspends);
+  Watch frames{printer, packets, where, next, screen.get()};
+  const auto watched = once ? frames.show_one(signals) : frames.run(signals);
+  progress.reset();
+  screen.reset();
+  if (feed.missed() > 0) {
+    print_remark(
+        fmt::format("{} frames did not get here, and the sums are without them", feed.missed()));
+  }
+  return watched;
+}
+
 int sensors(const SensorsOptions& options) {
   StopSignals signals;
   const auto fail = [](const hal::Failure& failure) {
@@ -176,6 +236,16 @@ int sensors(const SensorsOptions& options) {
   if (!packets) return fail(packets.failure());
   const auto config = configuration(options.connection);
   if (!config) return fail(config.failure());
+  // A live table needs a terminal that can show one; elsewhere one reading makes more sense.
+  const bool live = options.as_json || (stdout_is_terminal() && terminal_moves_cursor());
+  const std::vector<oi::PacketId> asked = each_once(*packets);
+  const Printer printer{options, *packets};
+  if (auto feed = config->port.empty() ? std::nullopt : FeedFrames::attach(config->port)) {
+    print_remark(
+        fmt::format("{}: {}; this is what its feed tells", config->port, publisher(feed->news())));
+    const auto shown = watch_feed(printer, asked, *feed, options.once || !live, signals);
+    return shown ? kSuccess : fail(shown.failure());
+  }
   const auto chosen = find_plain_robot(*config);  // outlives the port
   if (!chosen) return fail(chosen.failure());
   auto port = open_plain(*chosen, *config->baud);
@@ -185,10 +255,6 @@ int sensors(const SensorsOptions& options) {
   constexpr auto kMoves = hal::GuardOptions::Moves::nothing;
   auto duty = hal::Duty::begin(**port, {.moves = kMoves}, kSensorsPriority);
   if (!duty) return fail(duty.failure());
-  // A live table needs a terminal that can show one; elsewhere one reading makes more sense.
-  const bool live = options.as_json || (stdout_is_terminal() && terminal_moves_cursor());
-  const std::vector<oi::PacketId> asked = each_once(*packets);
-  const Printer printer{options, *packets};
   const hal::Result<void> shown = options.once || !live
                                       ? read_once(printer, asked, **port)
                                       : watch(printer, asked, **port, name, signals);
@@ -208,9 +274,9 @@ void add_sensors(CLI::App& app, Action& chosen) {
       "sensors",
       "Show the robot's sensors, named and with units: a live table on a terminal, otherwise one "
       "reading.\n"
-      "A robot that is off is started, and stays in Passive; one that runs keeps its mode. "
-      "Without\n"
-      "--port, those of a virtual Create of its own.");
+      "A robot that is off is started, and stays in Passive; one that runs keeps its mode. Of a\n"
+      "robot that another process drives, its feed tells: only what that process reads, without\n"
+      "touching the port. Without --port, the sensors of a virtual Create of its own.");
   add_port_options(*command, options->connection);
   command
       ->add_option("--packets", options->packets,

@@ -66,6 +66,7 @@ std::string JsonLine::of(const oi::SensorValues& values, const ReadingContext& c
   put_seconds(out += R"({"unix_time_s":)", context.unix_time_s);
   put_seconds(out += R"(,"time_s":)", context.time_s);
   for (const PacketId packet : packets_) {
+    if (!values.has(packet)) continue;
     hal::append_json(out, packet, values.raw(packet));
     if (packet == PacketId::distance)
       (out += R"(,"distance_sum":)") += fmt::format_int(context.distance_mm).c_str();
@@ -78,6 +79,7 @@ std::string JsonLine::of(const oi::SensorValues& values, const ReadingContext& c
 std::string lines(const std::vector<PacketId>& packets, const oi::SensorValues& values) {
   std::string out;
   for (const PacketId packet : singles(packets)) {
+    if (!values.has(packet)) continue;
     fmt::format_to(std::back_inserter(out), "{:>3}  {:<40}{}\n", info(packet).id, info(packet).name,
                    text(packet, values));
   }

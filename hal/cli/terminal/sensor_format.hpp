@@ -34,7 +34,7 @@ class JsonLine {
   std::vector<oi::PacketId> packets_;
 };
 
-// One line per single packet.
+// One line per single packet. Packets that the values do not have are left out, of JSON too.
 std::string lines(const std::vector<oi::PacketId>& packets, const oi::SensorValues& values);
 
 }  // namespace cargobay::cli

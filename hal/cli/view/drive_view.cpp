@@ -44,30 +44,6 @@ std::string bumps(hal::Bumps bumps) {
 
 constexpr int kHalf = 30;  // columns: two cells fit the smallest window
 
-std::vector<ScreenLine> what_matters(const hal::CycleState& state) {
-  const bool driven = state.mode == oi::Mode::safe || state.mode == oi::Mode::full;
-  const std::string battery =
-      state.battery_mv == 0 ? "not known yet"
-                            : fmt::format("{:.2f} V", static_cast<double>(state.battery_mv) / 1e3);
-  const std::string drops = list(state.hazards, {{Hazard::wheel_drop_left, "left"},
-                                                 {Hazard::wheel_drop_right, "right"},
-                                                 {Hazard::wheel_drop_front, "front"}});
-  const std::string cliffs = list(state.hazards, {{Hazard::cliff_left, "left"},
-                                                  {Hazard::cliff_front_left, "front left"},
-                                                  {Hazard::cliff_front_right, "front right"},
-                                                  {Hazard::cliff_right, "right"}});
-  return {{{"Mode         "},
-           {fitted(std::string{oi::name(state.mode)}, kHalf - 13),
-            driven ? TextStyle::good : TextStyle::alarm},
-           {"Battery  " + battery}},
-          {{"Bumps        "},
-           alarming(bumps(state.bumps), kHalf - 13),
-           {"Charger  "},
-           alarming(list(state.hazards, {{Hazard::charger, "plugged in"}}), kHalf - 9)},
-          {{"Wheel drops  "}, alarming(drops, kHalf)},
-          {{"Cliffs       "}, alarming(cliffs, 2 * kHalf - 13)}};
-}
-
 ScreenLine wheels(std::string_view what, const rt::WheelSpeeds& speeds) {
   return {{fmt::format("{:<12}{:>8.1f}{:>9.1f}  mm/s", what, speeds.left_mm_s, speeds.right_mm_s)}};
 }
@@ -94,13 +70,37 @@ std::vector<ScreenLine> how_it_drives(const DrivePicture& picture) {
 
 }  // namespace
 
+std::vector<ScreenLine> safety_lines(const hal::CycleState& state) {
+  const bool driven = state.mode == oi::Mode::safe || state.mode == oi::Mode::full;
+  const std::string battery =
+      state.battery_mv == 0 ? "not known yet"
+                            : fmt::format("{:.2f} V", static_cast<double>(state.battery_mv) / 1e3);
+  const std::string drops = list(state.hazards, {{Hazard::wheel_drop_left, "left"},
+                                                 {Hazard::wheel_drop_right, "right"},
+                                                 {Hazard::wheel_drop_front, "front"}});
+  const std::string cliffs = list(state.hazards, {{Hazard::cliff_left, "left"},
+                                                  {Hazard::cliff_front_left, "front left"},
+                                                  {Hazard::cliff_front_right, "front right"},
+                                                  {Hazard::cliff_right, "right"}});
+  return {{{"Mode         "},
+           {fitted(std::string{oi::name(state.mode)}, kHalf - 13),
+            driven ? TextStyle::good : TextStyle::alarm},
+           {"Battery  " + battery}},
+          {{"Bumps        "},
+           alarming(bumps(state.bumps), kHalf - 13),
+           {"Charger  "},
+           alarming(list(state.hazards, {{Hazard::charger, "plugged in"}}), kHalf - 9)},
+          {{"Wheel drops  "}, alarming(drops, kHalf)},
+          {{"Cliffs       "}, alarming(cliffs, 2 * kHalf - 13)}};
+}
+
 std::vector<ScreenLine> drive_view(const DrivePicture& picture, const WindowSize& window) {
   const double time_s = static_cast<double>(picture.state.tick) * 0.015;
   std::vector<ScreenLine> lines{
       {{fitted(fmt::format("drive  {:.1f} of {:g} s  {}", time_s, picture.duration_s, picture.what),
                window.columns),
         TextStyle::title}}};
-  for (ScreenLine& line : what_matters(picture.state)) lines.push_back(std::move(line));
+  for (ScreenLine& line : safety_lines(picture.state)) lines.push_back(std::move(line));
   for (ScreenLine& line : how_it_drives(picture)) lines.push_back(std::move(line));
   const auto room =
       static_cast<std::size_t>(std::max(window.rows - 1 - static_cast<int>(lines.size()), 0));

@@ -19,7 +19,10 @@ struct DrivePicture {
   std::vector<std::string> messages{};  // of the command, the same
 };
 
-// Mode, battery, bumps, wheel drops and cliffs first, then the wheels, the way, and the latest
+// Four lines, not wider than 60 columns: mode, battery, bumps, charger, wheel drops and cliffs.
+std::vector<ScreenLine> safety_lines(const hal::CycleState& state);
+
+// Those lines first, then the wheels, the way, and the latest
 // events as far as there is room.
 std::vector<ScreenLine> drive_view(const DrivePicture& picture, const WindowSize& window);
 

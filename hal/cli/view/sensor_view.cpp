@@ -89,11 +89,15 @@ TextStyle style_of(const Label& label, const hal::SensorFrame& frame) {
   return label.alarms && frame.values.raw(label.packet) != 0 ? TextStyle::alarm : TextStyle::plain;
 }
 
-std::vector<const Label*> labels_of(const std::vector<PacketId>& packets) {
+// Of those packets that the frame has.
+std::vector<const Label*> labels_of(const std::vector<PacketId>& packets,
+                                    const oi::SensorValues& values) {
   const std::vector<PacketId> wanted = singles(packets);
   std::vector<const Label*> labels;
-  for (const Label& label : kLabels)
-    if (std::ranges::find(wanted, label.packet) != wanted.end()) labels.push_back(&label);
+  for (const Label& label : kLabels) {
+    const bool is_wanted = std::ranges::find(wanted, label.packet) != wanted.end();
+    if (is_wanted && values.has(label.packet)) labels.push_back(&label);
+  }
   return labels;
 }
 
@@ -183,11 +187,16 @@ std::vector<ScreenLine> several_a_line(const std::vector<const Label*>& labels,
 
 }  // namespace
 
+std::vector<ScreenLine> sensor_lines(const std::vector<PacketId>& packets,
+                                     const hal::SensorFrame& frame, int columns) {
+  return several_a_line(labels_of(packets, frame.values), frame, columns);
+}
+
 std::vector<ScreenLine> sensor_view(const SensorPicture& picture,
                                     const std::vector<PacketId>& packets,
                                     const WindowSize& window) {
   constexpr int kFullColumns = 80;
-  const std::vector<const Label*> labels = labels_of(packets);
+  const std::vector<const Label*> labels = labels_of(packets, picture.frame.values);
   const int room = window.rows - 2;  // without the first line and the last
   std::vector<ScreenLine> lines = one_a_line(labels, picture.frame, window.columns);
   if (window.columns < kFullColumns || static_cast<int>(lines.size()) > room)

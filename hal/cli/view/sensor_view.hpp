@@ -25,4 +25,8 @@ std::vector<ScreenLine> sensor_view(const SensorPicture& picture,
                                     const std::vector<oi::PacketId>& packets,
                                     const WindowSize& window);
 
+// The same packets, as far as the frame has them: several a line, short, for a part of a picture.
+std::vector<ScreenLine> sensor_lines(const std::vector<oi::PacketId>& packets,
+                                     const hal::SensorFrame& frame, int columns);
+
 }  // namespace cargobay::cli
