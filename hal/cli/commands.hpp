@@ -30,5 +30,7 @@ void add_decode(CLI::App& app, Action& chosen);
 void add_send(CLI::App& app, Action& chosen);
 void add_sim(CLI::App& app, Action& chosen);
 void add_serve(CLI::App& app, Action& chosen);
+void add_top(CLI::App& app, Action& chosen);
+void add_teleop(CLI::App& app, Action& chosen);
 
 }  // namespace cargobay::cli

@@ -54,6 +54,8 @@ void add_commands(CLI::App& app, cli::Action& chosen) {
   cli::add_jitter(app, chosen);
   cli::add_sim(app, chosen);
   cli::add_serve(app, chosen);
+  cli::add_top(app, chosen);
+  cli::add_teleop(app, chosen);
   cli::add_sensors(app, chosen);
   cli::add_budget(app, chosen);
   cli::add_send(app, chosen);

@@ -106,7 +106,7 @@ function theirs(path) {
     return
   }
   if (path ~ /^(libwebsockets|qrencode|openssl\/ssl)\.h$/ && room ~ /^hal\/web/ && !header) return
-  if (path == "curses.h" && room == "hal/cli/view" || path == "gpiod.h" && layer == "gpio" || path == "libserialport.h" && layer == "hal") {
+  if (path == "curses.h" && room == "hal/cli/view" || path == "libevdev/libevdev.h" && room == "hal/gamepad" || path == "gpiod.h" && layer == "gpio" || path == "libserialport.h" && layer == "hal") {
     if (header) bad("third-party header in a header: <" path ">")
     return
   }

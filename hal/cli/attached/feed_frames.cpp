@@ -13,7 +13,7 @@
 namespace cargobay::cli {
 namespace {
 
-constexpr rt::Duration kPatience = std::chrono::milliseconds{100};
+constexpr rt::Duration kFramePatience = std::chrono::milliseconds{100};
 
 bool has_any(const oi::SensorValues& values, const std::vector<oi::PacketId>& packets) {
   return std::ranges::any_of(packets, [&](oi::PacketId packet) {
@@ -40,7 +40,7 @@ std::optional<FeedFrames> FeedFrames::attach(const std::string& port) {
 
 hal::Result<std::optional<hal::SensorFrame>> FeedFrames::next(
     const std::vector<oi::PacketId>& packets) {
-  const rt::TimePoint deadline = rt::Clock::now() + kPatience;
+  const rt::TimePoint deadline = rt::Clock::now() + kFramePatience;
   for (;;) {
     const auto line = reader_.next(deadline);
     if (!line) return line.failure();

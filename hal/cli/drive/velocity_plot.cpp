@@ -63,8 +63,9 @@ enum class TimeAxis : std::uint8_t { labelled, unlabelled };
 
 class Panel {
  public:
-  Panel(double top, double height, double duration_s, Range range)
-      : top_{top}, height_{height}, duration_s_{duration_s}, range_{range} {}
+  // `time_s`: of the axis.
+  Panel(double top, double height, Range time_s, Range range)
+      : top_{top}, height_{height}, time_s_{time_s}, range_{range} {}
 
   void frame(const std::string& heading, TimeAxis time_axis) {
     const double step = nice_step(range_.high - range_.low, height_ < kPanelHeight ? 3 : 5);
@@ -73,8 +74,8 @@ class Panel {
           kWidth - kRight, y(v), y(v));
       put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end">{:g}</text>)", kLeft - 8, y(v) + 4, v);
     }
-    const double time_step = nice_step(duration_s_, 10);
-    for (const double t : marks(0.0, duration_s_, time_step)) {
+    const double time_step = nice_step(time_s_.high - time_s_.low, 10);
+    for (const double t : marks(time_s_.low, time_s_.high, time_step)) {
       put(R"(<line x1="{:.1f}" x2="{:.1f}" y1="{:.1f}" y2="{:.1f}" stroke="#e3e3e3"/>)", x(t), x(t),
           top_, top_ + height_);
       if (time_axis == TimeAxis::labelled)
@@ -128,7 +129,10 @@ class Panel {
     std::string text;
     std::string color;
   };
-  double x(double time_s) const { return kLeft + time_s / duration_s_ * (kWidth - kLeft - kRight); }
+  double x(double time_s) const {
+    return kLeft +
+           (time_s - time_s_.low) / (time_s_.high - time_s_.low) * (kWidth - kLeft - kRight);
+  }
   double y(double value) const {
     return top_ + (range_.high - value) / (range_.high - range_.low) * height_;
   }
@@ -141,7 +145,7 @@ class Panel {
   std::string svg_;
   double top_;
   double height_;
-  double duration_s_;
+  Range time_s_;
   Range range_;
   std::vector<Label> labels_;
 };
@@ -161,8 +165,11 @@ std::vector<Curve> curves(double rt::WheelSpeeds::* wheel, bool has_truth) {
   return all;
 }
 
-double duration(const std::vector<DriveSample>& samples) {
-  return std::max(samples.back().time_s, 0.1);
+// From the beginning of the drive, unless the samples begin well after it.
+Range times(const std::vector<DriveSample>& samples) {
+  const double first_s = samples.front().time_s;
+  const double low_s = first_s < 1.0 ? 0.0 : first_s;
+  return {low_s, std::max(samples.back().time_s, low_s + 0.1)};
 }
 
 // Of both wheels: what looks higher is faster, on whichever side.
@@ -180,7 +187,7 @@ Range speeds(const std::vector<DriveSample>& samples) {
 
 std::string wheel_panel(const std::string& name, double rt::WheelSpeeds::* wheel,
                         const std::vector<DriveSample>& samples, double top, TimeAxis time_axis) {
-  Panel panel{top, kPanelHeight, duration(samples), speeds(samples)};
+  Panel panel{top, kPanelHeight, times(samples), speeds(samples)};
   panel.frame(name + " wheel, mm/s", time_axis);
   for (const Curve& curve : curves(wheel, samples.back().truth.has_value()))
     panel.draw(curve, samples);
@@ -195,7 +202,7 @@ std::string interval_panel(const std::vector<DriveSample>& samples, double top) 
   for (const DriveSample& sample : samples) range.include(1.05 * sample.interval_ms);
   const Curve curve{"interval", "#8250df", R"(stroke-width="1.2")",
                     [](const DriveSample& s) { return s.interval_ms; }};
-  Panel panel{top, kIntervalHeight, duration(samples), range};
+  Panel panel{top, kIntervalHeight, times(samples), range};
   panel.frame("Between two frames, ms", TimeAxis::labelled);
   panel.draw(curve, samples);
   panel.write_labels();

@@ -303,9 +303,4 @@ std::unique_ptr<Screen> Screen::open(ControlZ control_z) {
   return std::make_unique<TerminalScreen>(std::move(canvas), control_z);
 }
 
-std::string fitted(std::string text, int columns) {
-  text.resize(static_cast<std::size_t>(std::max(columns, 0)), ' ');
-  return text;
-}
-
 }  // namespace cargobay::cli

@@ -1,6 +1,8 @@
 // A view that has the terminal's whole screen: lines of text, drawn by ncurses.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -51,6 +53,9 @@ class Screen {
 };
 
 // So many columns wide: cut, or filled with blanks.
-std::string fitted(std::string text, int columns);
+inline std::string fitted(std::string text, int columns) {
+  text.resize(static_cast<std::size_t>(std::max(columns, 0)), ' ');
+  return text;
+}
 
 }  // namespace cargobay::cli

@@ -104,7 +104,7 @@ WordList words_of_option(std::string_view option, std::string_view choices) {
   constexpr std::array<std::string_view, 14> kFiles{
       "config", "json", "plot",   "record",     "link", "control", "world",
       "trace",  "hgrm", "output", "cyclictest", "csv",  "jsonl",   "mcap"};
-  if (option == "port") return {.words = ports(), .files = true};
+  if (option == "port" || option == "live") return {.words = ports(), .files = true};
   if (option == "baud" || option == "boot-baud") return {.words = rates()};
   if (option == "packets") return {.words = packets(), .comma_listed = true};
   if (option == "fault") return {.words = rows(hal::sim::faults())};
@@ -116,6 +116,7 @@ WordList words_of_option(std::string_view option, std::string_view choices) {
   }
   if (option == "brc-line" || option == "power-line")
     return {.words = {{"rts", "of the port itself"}, {"dtr", "of the port itself"}}};
+  if (option == "gamepad") return {.files = true};
   if (option == "learnt") return {.words = {{"none", "keep nothing"}}, .files = true};
   return {.words = listed_in(choices),
           .files = is_one_of(option, kFiles) || option == "write",
