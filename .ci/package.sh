@@ -63,7 +63,7 @@ logged "configuring for $architecture" cmake --preset "$preset" -B "$tree" \
   -D CARGOBAY_SHARED=ON -D BUILD_TESTING=OFF
 # What is packed, and not the examples.
 logged "building (some minutes the first time)" cmake --build "$tree" -j "${CARGOBAY_JOBS:-$(nproc)}" \
-  --target cargobay cargobay_web_program cargobay_shared cargobay_guard
+  --target cargobay cargobay_web_program cargobay_gamepad cargobay_shared cargobay_guard
 rm -f "$packages"/*_"$architecture".deb "$packages"/python3-cargobay_*_all.deb
 logged "packing" for_architecture cpack --config "$tree/CPackConfig.cmake" -B "$packages"
 rm -rf "$packages/_CPack_Packages"

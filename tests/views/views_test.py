@@ -20,7 +20,9 @@ PROMPT = "ready>"
 # What each view shows once it is under way, and is shown in no other.
 # The drive is to survive a machine that stands still.
 VIEWS = {"sensors": r"^sensors +([2-9]|\d{2,})\.\d s",
-         "drive --duration 900 --guard-deadline 10000": r"^drive +([2-9]|\d{2,})\.\d of 900 s"}
+         "drive --duration 900 --guard-deadline 10000": r"^drive +([2-9]|\d{2,})\.\d of 900 s",
+         "top": r"^top +([3-9]|\d{2,})\.\d s",
+         "teleop": r"^You steer[^\n]*\n[^\n]*\nMode +safe"}
 SKIPPED = 77
 # With packet 6; in a large window by their whole names.
 SEEN_OF_ALL = [*(rf"(cliff {short}|Cliff {name}) 1\b" for short, name in
@@ -39,7 +41,9 @@ class Terminal:
 
     def __init__(self, columns: int, rows: int, folder: Path, environment: str = ""):
         self.socket = str(folder / f"tmux-{time.monotonic_ns()}")
-        shell = f"env -u NO_COLOR {environment} PS1='{PROMPT} ' bash --norc --noprofile"
+        # Another's feed is not to be found: `top` would show that robot.
+        feeds = f"CARGOBAY_FEED_DIR={self.socket}-feeds"
+        shell = f"env -u NO_COLOR {feeds} {environment} PS1='{PROMPT} ' bash --norc --noprofile"
         self.tmux("-f", "/dev/null", "new-session", "-d", "-x", str(columns), "-y", str(rows), shell)
         self.until(lambda: PROMPT in self.screen(), "a prompt")
 
@@ -97,6 +101,10 @@ def normal(screen: str, view: str) -> str:
     lines = [re.sub(r"-?\d+(\.\d+)?", "#", line).rstrip() for line in screen.splitlines()]
     lines = [re.sub(r" {2,}", "  ", line) for line in lines]
     lines = [re.sub(r"(virtual Create on) .*", r"\1 ...", line) for line in lines]
+    # Histograms are what they are.
+    lines = [re.sub(r" \[[ .:=+*#-]*\]", " [...]", line) for line in lines]
+    if view == "top":
+        lines = [line for line in lines if line and not re.match(r" *# ms  #", line)]
     if view.startswith("drive"):
         # Events come when they come, and limits go.
         lines = [*lines[:11], *lines[-1:]]
