@@ -1,11 +1,10 @@
-// cargobay-gamepad: reads a gamepad for `cargobay teleop`, which runs it. Prints the gamepad's name,
-// then what it says each time that changes, and at least ten times a second while a shoulder button
-// is held:
+// cargobay-gamepad: reads a gamepad for `cargobay teleop`, which runs it. Prints its name, and then
+// what it says each time that changes, and ten times a second while a shoulder button is held:
 //   gamepad NAME
 //   drive FORWARD TURN      from -1 to 1, left positive; a shoulder button is held
 //   stand                   it is not
-// It ends when the gamepad is gone, or nothing reads what it prints. A reader that hears nothing for
-// 400 ms takes that for `stand`.
+// It ends when the gamepad is gone, or when nothing reads what it prints. A reader that hears
+// nothing for 400 ms takes that for `stand`.
 // usage: cargobay-gamepad [/dev/input/eventN]
 
 #include <fcntl.h>

@@ -16,6 +16,7 @@
 
 #include "command.hpp"
 #include "drive_fixture.hpp"
+#include "temporary_path.hpp"
 
 namespace cargobay::test {
 namespace {
@@ -173,6 +174,32 @@ TEST_F(TeleopTest, RefusesARobotThatDrivesByItself) {
   EXPECT_EQ(command.exit_code(), 1);
   EXPECT_THAT(command.err(), HasSubstr("drives " + port_ + " by itself"));
   EXPECT_TRUE(drive.running());
+}
+
+TEST_F(TeleopTest, SaysWhyItsOwnRobotCannotBeDriven) {
+  const TemporaryFolder folder;
+  Command command{{"teleop", "--port", folder.path("nothing"), "--config", "/dev/null"},
+                  kOnTerminal};
+  EXPECT_EQ(command.exit_code(), 1);
+  EXPECT_THAT(command.err(), HasSubstr("no such port"));
+}
+
+// What is typed while it hangs was meant for then.
+TEST_F(TeleopTest, ForgetsWhatWasTypedWhileItWasSuspended) {
+  serve_robot();
+  Person person{teleop()};
+  ASSERT_TRUE(person.holds("w", [&] { return rolls(); })) << person.command().err();
+  person.command().send(SIGSTOP);
+  ASSERT_TRUE(eventually([&] { return stands_still(); }));
+  for (int i = 0; i < 10; ++i) person.command().type("w");
+  const std::size_t before = drives().size();
+  person.command().send(SIGCONT);
+  const std::size_t output = person.command().out().size();
+  ASSERT_TRUE(eventually(
+      [&] { return person.command().running() && person.command().out().size() > output + 100; }));
+  const auto all = drives();
+  EXPECT_TRUE(std::all_of(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(),
+                          [](const auto& each) { return each.command.left_mm_s == 0.0; }));
 }
 
 TEST_F(TeleopTest, NeedsATerminal) {

@@ -17,8 +17,8 @@ namespace cargobay::cli {
 // One thread. Allocates.
 class FeedFrames {
  public:
-  // Attaches to the feed of the port. Nothing if nothing publishes it, or its publisher is not to be
-  // trusted: then the port itself says what is wrong. Blocks for up to a second.
+  // Attaches to the feed of the port. Nothing if nothing publishes it, or its publisher is not to
+  // be trusted: then the port itself says what is wrong. Blocks for up to a second.
   static std::optional<FeedFrames> attach(const std::string& port);
 
   // The next frame that has any of these packets, with what has been read of them so far; nothing

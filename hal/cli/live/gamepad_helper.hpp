@@ -34,6 +34,8 @@ class GamepadHelper {
   int descriptor() const { return lines_.number(); }
   // Takes what it has printed, without waiting. Fails when it has ended: the gamepad is gone.
   hal::Result<void> take(rt::TimePoint now);
+  // Forgets what it has printed so far, and what that asked for.
+  void skip_to_now();
   // Nothing while the button that is to be held is not.
   Wish wish(rt::TimePoint now) const;
   // Its name, once the program has found it.

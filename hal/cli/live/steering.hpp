@@ -22,7 +22,7 @@ class Steering {
   // `reader` and `news` outlive it.
   Steering(hal::FeedReader& reader, FeedNews& news);
 
-  // Asks for the lease and waits up to 2 s for the answer. Refused if another has it, unless `take`.
+  // Asks for the lease and waits up to 2 s for the answer: no if another has it, unless `take`.
   hal::Result<void> begin(bool take);
   // The same later, without waiting: the news will tell.
   hal::Result<void> ask_again(bool take);

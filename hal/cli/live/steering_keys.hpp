@@ -26,8 +26,8 @@ enum class SteeringKey : std::uint8_t {
 // Letters, arrows in both of their forms, Escape. Bytes that belong to one key may come apart.
 class KeyDecoder {
  public:
-  // Calls `see(SteeringKey)` for each key that is complete. Escape by itself is `stop`; what follows
-  // it may still turn out to be an arrow.
+  // Calls `see(SteeringKey)` for each key that is complete. Escape by itself is `stop`; what
+  // follows it may still turn out to be an arrow.
   template <typename See>
   void take(std::string_view bytes, See see) {
     for (const char byte : bytes) {

@@ -72,11 +72,13 @@ class Teleop {
 
  private:
   hal::Result<void> turn() {
-    auto heard = take_news(reader_, news_, [this](hal::FeedType type) { steering_.hear(type); });
-    if (!heard)
-      return news_.text.empty() ? heard : hal::Failure{heard.failure().message + ": " + news_.text};
+    const auto heard =
+        take_news(reader_, news_, [this](hal::FeedType type) { steering_.hear(type); });
+    if (!heard) return heard;
     const rt::TimePoint now = rt::Clock::now();
     hal::Result<void> done;
+    if (now - last_turn_ > HeldKeys::kCounts) forget_typed();
+    last_turn_ = now;
     decoder_.take(typed(), [&](SteeringKey key) {
       if (done) done = press(key, now);
     });
@@ -95,6 +97,13 @@ class Teleop {
     draw(now);
     wait_for_input(reader_, gamepad_ ? gamepad_->descriptor() : -1, now + kWake);
     return {};
+  }
+
+  // This process was suspended, or its output was stuck: what was typed then was meant for then.
+  void forget_typed() {
+    for (int i = 0; i < kMostReads && !typed().empty(); ++i) continue;
+    keys_.let_go();
+    if (gamepad_) gamepad_->skip_to_now();
   }
 
   // Somebody may have stopped the robot, and the lease is free: who moves it now takes it. From
@@ -140,6 +149,7 @@ class Teleop {
   }
 
   static constexpr rt::Duration kWake = std::chrono::milliseconds{20};
+  static constexpr int kMostReads = 64;  // more than a terminal keeps
 
   double speed_mm_s_;
   hal::FeedReader& reader_;
@@ -152,6 +162,7 @@ class Teleop {
   rt::WheelSpeeds asked_{};
   std::unique_ptr<Screen> screen_{};
   rt::TimePoint next_draw_{};
+  rt::TimePoint last_turn_ = rt::Clock::now();
   bool over_ = false;
 };
 

@@ -41,9 +41,7 @@ hal::Result<void> watch(hal::FeedReader& reader, StopSignals& signals) {
   const rt::Duration period = screen ? kTopRefresh : kLineEvery;
   rt::TimePoint next = rt::Clock::now() + kTopRefresh;  // by then something has come
   while (!signals.wait(rt::Duration::zero()).has_value() && !output_error()) {
-    if (auto taken = take_news(reader, news, {}); !taken) {
-      return news.text.empty() ? taken : hal::Failure{taken.failure().message + ": " + news.text};
-    }
+    if (const auto taken = take_news(reader, news, {}); !taken) return taken;
     if (screen && is_end(typed())) break;
     const bool now = screen && screen->attend();
     if (now || rt::Clock::now() >= next) {

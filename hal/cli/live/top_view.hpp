@@ -9,8 +9,8 @@
 
 namespace cargobay::cli {
 
-// Mode, battery, bumps, wheel drops, cliffs; each wheel's speeds; the pose and, of a virtual Create,
-// the true one. One line says so while nothing is known. Not wider than 60 columns.
+// Mode, battery, bumps, wheel drops, cliffs; each wheel's speeds; the pose and, of a virtual
+// Create, the true one. One line says so while nothing is known. Not wider than 60 columns.
 std::vector<ScreenLine> robot_lines(const FeedNews& news);
 
 // Who steers, "nobody" at times; and what the robot's program is up to, if it does not drive it.

@@ -7,11 +7,17 @@
 #include <array>
 #include <ctime>
 
+#include <fmt/format.h>
+
 namespace cargobay::cli {
 namespace {
 
 // Reading from the terminal of another job suspends a process.
 bool is_our_terminal() { return isatty(STDIN_FILENO) == 1 && tcgetpgrp(STDIN_FILENO) == getpgrp(); }
+
+hal::Failure ended(const FeedNews& news) {
+  return {fmt::format("{} has ended: {}", news.hello.program, news.text)};
+}
 
 }  // namespace
 
@@ -40,11 +46,12 @@ hal::Result<void> take_news(hal::FeedReader& reader, FeedNews& news,
                             const std::function<void(hal::FeedType)>& see) {
   for (;;) {
     const auto line = reader.next(rt::TimePoint{});
-    if (!line) return line.failure();
-    if (!*line) return {};
+    if (!line) return news.text.empty() ? line.failure() : ended(news);
+    if (!*line) break;
     const auto type = news.hear(**line);  // what is not known is not shown
     if (type && see) see(*type);
   }
+  return news.stage == "ended" ? ended(news) : hal::Result<void>{};
 }
 
 }  // namespace cargobay::cli
