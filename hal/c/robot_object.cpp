@@ -86,10 +86,10 @@ int RobotObject::set_control(cargobay_control function, void* context) {
 
 int RobotObject::publish() {
   SimObject* const own = opening.sim ? &*opening.sim : nullptr;
-  hal::sim::Server* const create = own != nullptr ? own->server.get() : opening.plant.server();
+  hal::sim::Server* const create = own != nullptr ? own->server.get() : opening.chosen.server();
   hal::FeedOptions options{
       .of = {.program = program_invocation_short_name,
-             .port = own == nullptr ? opening.plant.port
+             .port = own == nullptr ? opening.chosen.port
                      : own->server  ? own->server->path()
                                     : name_in_virtual_time(),
              .is_virtual = own != nullptr || create != nullptr,

@@ -94,14 +94,14 @@ int serve(const ServeOptions& options) {
   auto config = configuration(options.drive.connection, options.drive.pins);
   if (!config) return fail(config.failure());
   hal::RobotOptions robot = robot_options(options.drive, *config);
-  const auto plant = find_plant(*config, options.drive.pins, parameters(options.drive.sim),
+  const auto chosen = choose_robot(*config, options.drive.pins, parameters(options.drive.sim),
                                 hal::below_loop(robot.realtime.priority));
-  if (!plant) return fail(plant.failure());
+  if (!chosen) return fail(chosen.failure());
   std::optional<hal::sim::World> world;
-  if (const auto put = put_into_world(options, plant->server(), world); !put)
+  if (const auto put = put_into_world(options, chosen->server(), world); !put)
     return fail(put.failure());
-  if (plant->server() != nullptr) schedule(options.drive.sim, *plant->server());
-  robot.pins = plant->pins();
+  if (chosen->server() != nullptr) schedule(options.drive.sim, *chosen->server());
+  robot.pins = chosen->pins();
   robot.learnt = learnt_place(options.drive.learnt, *config);
   std::optional<int> signal;
   robot.cancelled = [&] {
@@ -109,7 +109,7 @@ int serve(const ServeOptions& options) {
     return signal.has_value();
   };
   auto service = hal::Service::open({.program = "cargobay serve",
-                                     .plant = &*plant,
+                                     .chosen = &*chosen,
                                      .baud = *config->baud,
                                      .robot = robot,
                                      .world = world ? &*world : nullptr,

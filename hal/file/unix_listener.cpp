@@ -113,7 +113,7 @@ Result<void> UnixListener::bind_to_path(mode_t rights) {
   for (int i = 0; i < kTries; ++i) {
     if (bind(listener, generic(*address), sizeof *address) == 0) {
       // Until it listens it looks dead: another process may just have removed it.
-      const bool ours = listen(listener, kBacklog) == 0 && is_reached(listener, path_);
+      const bool ours = ::listen(listener, kBacklog) == 0 && is_reached(listener, path_);
       if (ours && lstat(path_.c_str(), &file_) == 0) return {};
       return listen_failure(path_, std::make_error_code(std::errc::address_in_use), kTaken);
     }

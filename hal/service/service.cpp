@@ -51,20 +51,20 @@ Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text
 
 Result<std::unique_ptr<Service>> Service::open(const ServiceOptions& options) {
   std::unique_ptr<Service> service{new Service{options}};
-  const Plant& plant = *options.plant;
+  const ChosenRobot& chosen = *options.chosen;
   // A pseudo-terminal that goes away does not come back under its name, unless a link leads to it.
-  if (options.patience > rt::Duration::zero() && !plant.create) {
-    if (auto identity = identify(plant.port, serial_ports()))
+  if (options.patience > rt::Duration::zero() && !chosen.create) {
+    if (auto identity = identify(chosen.port, serial_ports()))
       service->identity_ = std::move(*identity);
   }
   auto feed = Feed::open({.of = {.program = options.program,
-                                 .port = plant.port,
-                                 .is_virtual = plant.create != nullptr,
+                                 .port = chosen.port,
+                                 .is_virtual = chosen.create != nullptr,
                                  .baud = options.baud,
                                  .wheel_base_mm = options.robot.cycle.loop.estimator.wheel_base_mm,
                                  .setpoint_lapse = options.robot.cycle.setpoint_lapse},
                           .steering = service->steering(),
-                          .create = plant.server(),
+                          .create = chosen.server(),
                           .world = options.world});
   if (!feed) return feed.failure();
   service->feed_ = std::move(*feed);
@@ -81,7 +81,7 @@ FeedSteering Service::steering() {
       .rearm = [this] { return rearm(); },
       .reset_odometry = [this](const rt::OdometryPose& pose) { return reset_odometry(pose); },
       .send = [this](std::string_view command) { return send(command); }};
-  if (sim::Server* const server = options_.plant->server()) {
+  if (sim::Server* const server = options_.chosen->server()) {
     steering.control = [server](std::string_view line) { return sim::control(line, *server); };
   }
   return steering;
@@ -107,7 +107,7 @@ Result<void> Service::run(const std::function<void()>& ready) {
 
 Result<Robot::Owned> Service::bring_up() {
   feed_->report("bring_up", "the robot is brought up");
-  auto port = open_port(options_.plant->port, options_.baud);
+  auto port = open_port(options_.chosen->port, options_.baud);
   if (!port) return port.failure();
   if (!port->remark.empty()) tell(port->remark);
   return Robot::open(std::move(port->stream), options_.robot);

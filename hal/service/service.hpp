@@ -12,7 +12,7 @@
 #include "hal/port/port_identity.hpp"
 #include "hal/result.hpp"
 #include "hal/robot/robot.hpp"
-#include "hal/sim/remote/plant.hpp"
+#include "hal/sim/remote/chosen_robot.hpp"
 #include "hal/sim/world/world.hpp"
 #include "rt/clock.hpp"
 
@@ -20,10 +20,10 @@ namespace cargobay::hal {
 
 struct ServiceOptions {
   std::string program{};  // what the readers of the feed are told
-  const Plant* plant = nullptr;
+  const ChosenRobot* chosen = nullptr;
   std::uint32_t baud = 0;
   RobotOptions robot{};               // its `cancelled` ends everything
-  const sim::World* world = nullptr;  // of the plant's virtual Create, if it lives in one
+  const sim::World* world = nullptr;  // of its virtual Create, if it lives in one
   // How long a port that is lost is waited for; 0: not at all.
   rt::Duration patience{};
   // Called with one line each: what happens to the link. On run()'s thread.

@@ -21,15 +21,15 @@ hal::Result<std::unique_ptr<OwnRobot>> OwnRobot::start(const DriveOptions& optio
                                                        const std::string& program) {
   std::unique_ptr<OwnRobot> own{new OwnRobot};
   hal::RobotOptions robot = robot_options(options, config);
-  auto plant = find_plant(config, options.pins, parameters(options.sim),
+  auto chosen = choose_robot(config, options.pins, parameters(options.sim),
                           hal::below_loop(robot.realtime.priority));
-  if (!plant) return plant.failure();
-  own->plant_ = std::move(*plant);
-  robot.pins = own->plant_.pins();
+  if (!chosen) return chosen.failure();
+  own->chosen_ = std::move(*chosen);
+  robot.pins = own->chosen_.pins();
   robot.learnt = learnt_place(options.learnt, config);
   robot.cancelled = [it = own.get()] { return it->cancelled_.load(); };
   auto service = hal::Service::open({.program = program,
-                                     .plant = &own->plant_,
+                                     .chosen = &own->chosen_,
                                      .baud = *config.baud,
                                      .robot = robot,
                                      .patience = kPortPatience,

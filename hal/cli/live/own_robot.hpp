@@ -13,7 +13,7 @@
 #include "hal/feed/feed_reader.hpp"
 #include "hal/result.hpp"
 #include "hal/service/service.hpp"
-#include "hal/sim/remote/plant.hpp"
+#include "hal/sim/remote/chosen_robot.hpp"
 
 namespace cargobay::cli {
 
@@ -36,7 +36,7 @@ class OwnRobot {
  private:
   OwnRobot() = default;
 
-  hal::Plant plant_{};  // outlives the service
+  hal::ChosenRobot chosen_{};  // outlives the service
   std::unique_ptr<hal::Service> service_{};
   std::atomic<bool> cancelled_{false};
   hal::Result<void> ended_{};  // of the thread, until it is joined
