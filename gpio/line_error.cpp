@@ -16,9 +16,10 @@ std::string permission_remedy(const std::string& group) {
   if (!group.empty() && group != "root") {
     return "join the group " + group + " (sudo adduser $USER " + group + ") and log in again";
   }
-  return "give a group access with the udev rule SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", "
-         "GROUP=\"dialout\", MODE=\"0660\" in /etc/udev/rules.d/60-gpio.rules, then: sudo udevadm "
-         "trigger";
+  return "give the group dialout access: the package cargobay installs a udev rule for that; by "
+         "hand, "
+         "copy examples/system/60-cargobay.rules to /etc/udev/rules.d, then: "
+         "sudo udevadm control --reload && sudo udevadm trigger";
 }
 
 }  // namespace
