@@ -40,9 +40,6 @@ class Course {
   WheelSpeeds step(const WheelSpeeds& target, const WheelSpeeds& set, const WheelSpeeds& now,
                    const Ways& ways, double carried, double tick_s) CARGOBAY_NONBLOCKING;
 
-  // mm that the right wheel is ahead of where it should be, less that of the left one.
-  double error_mm() const CARGOBAY_NONBLOCKING { return error_mm_; }
-
  private:
   bool follows(const WheelSpeeds& target, const WheelSpeeds& now) CARGOBAY_NONBLOCKING;
   double across(const WheelSpeeds& way) const CARGOBAY_NONBLOCKING;
@@ -54,6 +51,7 @@ class Course {
   bool on_curve_ = false;       // the wheels have come to it
   double if_carried_mm_ = 0.0;  // the errors
   double if_lost_mm_ = 0.0;
+  // How far the right wheel is ahead of where it should be, less that of the left one.
   double error_mm_ = 0.0;
   double aside_mm_ = 0.0;  // what the way went aside for it, as an error to be had for the way back
 };
