@@ -1,7 +1,6 @@
 #include "tests/campaign/random_room.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -102,42 +101,84 @@ Beam anywhere_at_a_wall(const RandomRoom& room, Random& random, double depth_mm)
   return {moved(moved(edge.from, direction_deg(edge), along_mm), inward_deg, depth_mm), inward_deg};
 }
 
-void add_turned_box(World& world, Point centre, double width, double height, double turn_deg) {
-  std::array<Point, 4> corners{{{-0.5 * width, -0.5 * height},
-                                {0.5 * width, -0.5 * height},
-                                {0.5 * width, 0.5 * height},
-                                {-0.5 * width, 0.5 * height}}};
-  for (Point& corner : corners) {
-    corner = rotated(corner, turn_deg);
-    corner = {corner.x_mm + centre.x_mm, corner.y_mm + centre.y_mm};
-  }
+void add_walls(World& world, const std::vector<Point>& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i)
     world.walls.push_back({corners[i], corners[(i + 1) % corners.size()]});
 }
 
-void add_table(World& world, Point corner, Random& random) {
-  const double width = between(random, 500.0, 1100.0);
-  const double depth = between(random, 500.0, 800.0);
-  const double leg_mm = between(random, 15.0, 40.0);
-  for (const double x : {0.0, width}) {
-    for (const double y : {0.0, depth})
-      world.posts.push_back({{corner.x_mm + x, corner.y_mm + y}, leg_mm});
+std::vector<Point> rectangle(Point centre, double width, double height, double turn_deg) {
+  const double x = 0.5 * width;
+  const double y = 0.5 * height;
+  std::vector<Point> corners{{-x, -y}, {x, -y}, {x, y}, {-x, y}};
+  for (Point& corner : corners) {
+    corner = rotated(corner, turn_deg);
+    corner = {corner.x_mm + centre.x_mm, corner.y_mm + centre.y_mm};
+  }
+  return corners;
+}
+
+bool is_left_of(Point at, Point from, Point to) {
+  return (to.x_mm - from.x_mm) * (at.y_mm - from.y_mm) >
+         (to.y_mm - from.y_mm) * (at.x_mm - from.x_mm);
+}
+bool cross(Point a, Point b, Point from, Point to) {
+  return is_left_of(a, from, to) != is_left_of(b, from, to) &&
+         is_left_of(from, a, b) != is_left_of(to, a, b);
+}
+
+// Whether all of it is within the walls.
+bool fits(const RandomRoom& room, const std::vector<Point>& corners) {
+  if (!room.contains(corners.front())) return false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t k = 0; k < room.outline.size(); ++k) {
+      if (cross(corners[i], corners[(i + 1) % corners.size()], room.outline[k],
+                room.outline[(k + 1) % room.outline.size()]))
+        return false;
+    }
+  }
+  return true;
+}
+
+enum class Piece : std::uint32_t { box, turned_box, post, table, count };
+
+// A piece of furniture of any kind at any place, all of it in the room.
+void add_piece(RandomRoom& room, Random& random) {
+  const auto kind = static_cast<Piece>(random.below(static_cast<std::uint32_t>(Piece::count)));
+  double width = between(random, 150.0, 900.0);
+  double height = between(random, 150.0, 600.0);
+  double turn_deg = 0.0;
+  double post_mm = 0.0;  // the radius of a post, or of a table's legs
+  switch (kind) {
+    case Piece::turned_box: turn_deg = between(random, 0.0, 90.0); break;
+    case Piece::post:
+      width = height = 0.0;
+      post_mm = between(random, 20.0, 200.0);
+      break;
+    case Piece::table:
+      width = between(random, 500.0, 1100.0);
+      height = between(random, 500.0, 800.0);
+      post_mm = between(random, 15.0, 40.0);
+      break;
+    default: break;
+  }
+  for (int i = 0; i < kTries; ++i) {
+    const Point at = anywhere_in(room, random);
+    if (!fits(room, rectangle(at, width + 2.0 * post_mm, height + 2.0 * post_mm, turn_deg)))
+      continue;
+    const auto corners = rectangle(at, width, height, turn_deg);
+    World& world = room.world;
+    if (kind == Piece::box) world.boxes.push_back({corners.front(), width, height});
+    if (kind == Piece::turned_box) add_walls(world, corners);
+    if (kind == Piece::post) world.posts.push_back({at, post_mm});
+    if (kind == Piece::table) {
+      for (const Point leg : corners) world.posts.push_back({leg, post_mm});
+    }
+    return;
   }
 }
 
 void furnish(RandomRoom& room, Random& random, std::uint32_t pieces) {
-  World& world = room.world;
-  for (std::uint32_t i = 0; i < pieces; ++i) {
-    const Point at = anywhere_in(room, random);
-    const double width = between(random, 150.0, 900.0);
-    const double height = between(random, 150.0, 600.0);
-    switch (random.below(4)) {
-      case 0: world.boxes.push_back({at, width, height}); break;
-      case 1: add_turned_box(world, at, width, height, between(random, 0.0, 90.0)); break;
-      case 2: world.posts.push_back({at, between(random, 20.0, 200.0)}); break;
-      default: add_table(world, at, random); break;
-    }
-  }
+  for (std::uint32_t i = 0; i < pieces; ++i) add_piece(room, random);
 }
 
 bool has_floor(const World& world, const WorldPose& pose) {
@@ -228,8 +269,7 @@ RandomRoom random_room(std::uint64_t seed, Furnished furnished) {
   while (true) {  // most rooms work at the first try; a start exists in some room
     RandomRoom room;
     room.outline = outline(random);
-    for (std::size_t i = 0; i < room.outline.size(); ++i)
-      room.world.walls.push_back({room.outline[i], room.outline[(i + 1) % room.outline.size()]});
+    add_walls(room.world, room.outline);
     switch (furnished) {
       case Furnished::for_cover: add_for_cover(room, random); break;
       case Furnished::for_home: add_for_home(room, random); break;
