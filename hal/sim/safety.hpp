@@ -8,6 +8,7 @@
 
 #include "hal/sim/inputs.hpp"
 #include "hal/sim/pose.hpp"
+#include "hal/sim/robot_parts.hpp"
 #include "oi/limits.hpp"
 
 namespace cargobay::hal::sim {
@@ -22,8 +23,6 @@ constexpr std::string_view name(SafetyCondition condition) {
   }
   return "";
 }
-
-inline constexpr double kRobotRadiusMm = 165.0;
 
 // Whether the robot drives toward what its cliff sensors, which are at the front, can see: forward,
 // or in any direction around a centre within its own circle. `wheel_base_mm` is not 0.

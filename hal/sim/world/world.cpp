@@ -18,11 +18,6 @@ constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 // Parts of the robot, seen from its centre.
 constexpr double kBumperHalfDeg = 90.0;  // the bumper is the front half
 constexpr double kBumperBothDeg = 15.0;  // a contact this close to straight ahead pushes both sides
-constexpr double kCliffSensorMm = 150.0;
-constexpr double kCliffSideDeg = 65.0;
-constexpr double kCliffFrontDeg = 17.0;
-constexpr double kCasterMm = 130.0;
-constexpr double kWallSensorDeg = -65.0;  // at the front right
 constexpr double kWallRangeMm = 120.0;
 constexpr double kWallSeenMm = 60.0;
 
@@ -160,19 +155,26 @@ void sense_cliffs(const World& world, const WorldPose& pose, Inputs& inputs) {
     return std::any_of(world.cliffs.begin(), world.cliffs.end(),
                        [at](const Rectangle& cliff) { return inside(cliff, at); });
   };
-  const auto look = [&](CliffSensor& sensor, double off_heading_deg) {
-    if (over_cliff(place(pose, kCliffSensorMm, off_heading_deg))) {
+  const auto look = [&](CliffSensor& sensor, double away_mm, double off_heading_deg) {
+    if (over_cliff(place(pose, away_mm, off_heading_deg)))
       sensor = {.cliff = true, .signal = kCliffSignal};
-    }
   };
-  look(inputs.cliff_left, kCliffSideDeg);
-  look(inputs.cliff_front_left, kCliffFrontDeg);
-  look(inputs.cliff_front_right, -kCliffFrontDeg);
-  look(inputs.cliff_right, -kCliffSideDeg);
+  look(inputs.cliff_left, kCliffSideMm, kCliffSideDeg);
+  look(inputs.cliff_front_left, kCliffFrontMm, kCliffFrontDeg);
+  look(inputs.cliff_front_right, kCliffFrontMm, -kCliffFrontDeg);
+  look(inputs.cliff_right, kCliffSideMm, -kCliffSideDeg);
+  const auto drop = [&](bool& dropped, double away_mm, double off_heading_deg) {
+    const Point at = place(pose, away_mm, off_heading_deg);
+    if (!over_cliff(at)) return;
+    for (int turn_deg = 0; turn_deg < 360; turn_deg += 30) {
+      if (!over_cliff(at + kWheelRestsMm * direction(turn_deg))) return;
+    }
+    dropped = true;
+  };
   const double wheel_mm = 0.5 * oi::kCreate.wheel_base_mm;
-  if (over_cliff(place(pose, wheel_mm, 90.0))) inputs.wheel_drop_left = true;
-  if (over_cliff(place(pose, wheel_mm, -90.0))) inputs.wheel_drop_right = true;
-  if (over_cliff(place(pose, kCasterMm, 0.0))) inputs.wheel_drop_caster = true;
+  drop(inputs.wheel_drop_left, wheel_mm, 90.0);
+  drop(inputs.wheel_drop_right, wheel_mm, -90.0);
+  drop(inputs.wheel_drop_caster, kCasterMm, 0.0);
 }
 
 void sense_wall(const Scene& scene, const WorldPose& pose, Inputs& inputs) {

@@ -195,19 +195,43 @@ TEST(World, SlidesAlongAWall) {
 
 TEST(World, ShowsACliffToTheSensorsAboveIt) {
   const World world = world_of("cliff 0 -5000 5000 10000\n");
-  Inputs inputs = seen_from(world, at(-145, 0, 0));
+  Inputs inputs = seen_from(world, at(-151, 0, 0));
   EXPECT_FALSE(inputs.cliff_left.cliff);
   EXPECT_FALSE(inputs.any_cliff());
-  inputs = seen_from(world, at(-140, 0, 0));
+  inputs = seen_from(world, at(-149, 0, 0));
   EXPECT_TRUE(inputs.cliff_front_left.cliff);
   EXPECT_TRUE(inputs.cliff_front_right.cliff);
   EXPECT_FALSE(inputs.cliff_left.cliff);
   EXPECT_LT(inputs.cliff_front_left.signal, 100);
   EXPECT_GT(inputs.cliff_left.signal, 1000);
   EXPECT_FALSE(inputs.any_wheel_drop());
-  inputs = seen_from(world, at(10, 0, 0));
-  EXPECT_TRUE(inputs.wheel_drop_left);
+}
+
+TEST(World, DropsAWheelOnceNoFloorIsNearIt) {
+  const World world = world_of("cliff 0 -5000 5000 10000\n");
+  EXPECT_FALSE(seen_from(world, at(-119, 0, 0)).any_wheel_drop());
+  Inputs inputs = seen_from(world, at(-117, 0, 0));
   EXPECT_TRUE(inputs.wheel_drop_caster);
+  EXPECT_FALSE(inputs.wheel_drop_left);
+  EXPECT_FALSE(seen_from(world, at(11, 0, 0)).wheel_drop_left);
+  inputs = seen_from(world, at(13, 0, 0));
+  EXPECT_TRUE(inputs.wheel_drop_left);
+  EXPECT_TRUE(inputs.wheel_drop_right);
+}
+
+TEST(World, DropsTheCasterAboutWhereTheSensorsSeeTheCornerOfAHole) {
+  const World world = world_of("cliff 0 0 500 500\n");
+  // Straight at the corner, along its diagonal.
+  const auto from_corner = [&](double away_mm) {
+    const double each = away_mm * std::sqrt(0.5);
+    return seen_from(world, at(-each, -each, 45));
+  };
+  EXPECT_FALSE(from_corner(114).any_wheel_drop());
+  EXPECT_TRUE(from_corner(112).wheel_drop_caster);
+  EXPECT_FALSE(from_corner(111).any_cliff());
+  const Inputs inputs = from_corner(109);
+  EXPECT_TRUE(inputs.cliff_front_left.cliff);
+  EXPECT_TRUE(inputs.cliff_front_right.cliff);
 }
 
 TEST(World, StopsASafeRobotAtACliff) {
