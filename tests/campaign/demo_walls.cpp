@@ -126,9 +126,12 @@ void run_homing(const Options& options, DemoNumber demo, const char* name, const
       label, reached.starts, reached.free, home ? "**" : "", 100.0 * of_free, home ? "**" : "",
       home ? "the wall" : "both walls", reached.longest_s);
   if (home) {
-    std::printf("; of the %zu others, %.1f %% reach it or stop at what is in the way",
-                reached.starts - reached.free,
-                100.0 * share(reached.stopped, reached.starts - reached.free));
+    std::printf(
+        "; of the %zu others, %.1f %% reach it or stop at what is in the way"
+        "; of all, **%.1f %%** end as the manual says",
+        reached.starts - reached.free,
+        100.0 * share(reached.stopped, reached.starts - reached.free),
+        100.0 * share(reached.reached + reached.stopped, reached.starts));
   }
   std::printf("; of the %zu from which a path leads there, %s%.1f %%%s; of all, %.1f %% |\n",
               reached.paths, home ? "" : "**", 100.0 * of_paths, home ? "" : "**",

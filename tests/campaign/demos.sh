@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Runs the demos in random rooms and puts the table and three drawings into docs.
 # usage: tests/campaign/demos.sh [N [FOLDER]]
-#   N       number of rooms, 1000 by default, from 501 on: the demos were developed on the others
+#   N       number of rooms, 1000 by default, from 1001 on: the demos were developed on the others
 #   FOLDER  gets the drawings of each demo in the first ten of them
 # Builds the dev preset's demo_rooms. Exit status 1 if something promised does not hold.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-first=501
+first=1001
 last=$((first + ${1:-1000} - 1))
 folder=${2:-}
 program=build/dev/tests/demo_rooms
@@ -27,9 +27,9 @@ draw() {  # DEMO ROOM NAME
   "$program" --from "$2" --to "$2" --only "$1" --draw "$made" > /dev/null 2>&1 || true
   cp "$made/$1.$2.svg" "docs/$3.svg"
 }
-draw cover_and_dock 502 demo-cover-and-dock
-draw home 501 demo-home
-draw tag 501 demo-tag
+draw cover_and_dock 1002 demo-cover-and-dock
+draw home 1001 demo-home
+draw tag 1001 demo-tag
 if [[ -n $folder ]]; then
   mkdir -p "$folder"
   "$program" --from "$first" --to "$((first + 9))" --draw "$folder" > /dev/null 2>&1 || true

@@ -66,9 +66,14 @@ inline bool sees_both_buoys(const Inputs& seen) {
 // the encoders cannot see which way they coast.
 class Evasion {
  public:
+  Evasion() = default;
+  // So fast it turns on the spot.
+  explicit Evasion(double turn_mm_s) : turn_mm_s_{turn_mm_s} {}
   void start(const DemoView& view, double back_mm, double turn_deg);
-  void stop() { *this = {}; }
+  void stop() { *this = Evasion{turn_mm_s_}; }
   bool active() const { return phase_ != Phase::over; }
+  // How far back it would go at most.
+  double way_back_mm(const DemoView& view) const { return view.travelled_mm - turned_at_mm_; }
   // Once more; false if it has ended, and `wheels` is not set.
   bool step(const DemoView& view, WheelSpeeds& wheels);
 
@@ -79,6 +84,9 @@ class Evasion {
   bool stands(const DemoView& view);
   bool cliff_ahead(const Inputs& seen) const;
 
+  static constexpr double kTurnMmPerSec = 200.0;
+
+  double turn_mm_s_ = kTurnMmPerSec;
   Phase phase_ = Phase::over;
   double back_mm_ = 0.0;
   double turn_deg_ = 0.0;  // positive to the left
@@ -91,6 +99,7 @@ class Evasion {
   bool undoes_ = false;    // a turn that led onto a cliff
   bool at_cliff_ = false;  // at the last tick of the turn
   rt::Duration stands_since_{0};
+  double cliff_mm_ = -std::numeric_limits<double>::infinity();  // where it saw one last
   double stood_mm_ = 0.0;
   double stood_deg_ = 0.0;
   double began_travelled_mm_ = 0.0;

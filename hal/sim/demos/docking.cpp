@@ -17,6 +17,7 @@ constexpr double kBesideMm = 60.0;  // nearer to the base it is too late to stee
 constexpr double kNearestMm = 200.0;
 constexpr double kMiddleHalf = 0.087;  // of the way to the lamps: half as wide is the middle
 constexpr double kRetreatMm = 350.0;
+constexpr double kLeastRetreatMm = 60.0;
 constexpr double kOffMm = 500.0;       // beside the middle for so long: its heading was wrong
 constexpr double kShadowMm = 400.0;    // it drives on through a shadow for so long
 constexpr double kCircleMm = 180.0;    // the radius it comes back to an edge with
@@ -32,7 +33,7 @@ constexpr double kInFrontMm = 600.0;  // where it turns into the way in
 constexpr double kLegMm = 2000.0;     // radius: nearly straight
 constexpr double kLongLegMm = 1500.0;
 constexpr rt::Duration kExploresFor = std::chrono::seconds{4};
-constexpr std::array<double, 4> kInFrontTriedMm{600.0, 500.0, 400.0, 300.0};
+constexpr std::array<double, 5> kInFrontTriedMm{600.0, 500.0, 400.0, 300.0, 250.0};
 constexpr double kAtPlaceMm = 60.0;
 constexpr rt::Duration kPlansEvery = std::chrono::milliseconds{600};
 constexpr double kTooNearMm = 250.0;  // no room to get to the way in
@@ -65,7 +66,7 @@ void Docking::start(const DemoView& view) {
   buoys_ = {};
   last_colour_ = {};
   seen_mm_ = way_mm_;
-  leg_end_mm_ = way_mm_;
+  straight_.end_mm = way_mm_;
   field_ = {};
   lit_ = {};
   forget();
@@ -99,7 +100,7 @@ void Docking::look(const DemoView& view) {
 void Docking::cross(oi::HomeBaseBeams from, oi::HomeBaseBeams to) {
   const bool at_edge = from.any() && to.any() && (from == kBothBuoys || to == kBothBuoys);
   if (!at_edge) return;
-  leg_end_mm_ = way_mm_;
+  straight_.end_mm = way_mm_;
   circles_ = from == kBothBuoys;
   // Green's light ends on the red side of the middle.
   const oi::HomeBaseBeams alone = from == kBothBuoys ? to : from;
@@ -146,9 +147,13 @@ WheelSpeeds Docking::step(const DemoView& view, FloorMemory& floor) {
   const bool evading = evasion_.active();
   WheelSpeeds wheels{};
   if (evading && evasion_.step(view, wheels)) return wheels;
-  if (evading) leg_deg_ = view.turned_deg;
+  if (evading) {
+    straight_.deg = view.turned_deg;
+    straight_.end_mm = way_mm_ + straight_.mm;
+    if (pivots_) plan_.chosen_at = view.now;
+  }
   if (bumped(seen) || seen.any_cliff() || enters_beam) return meet(view);
-  if (way_mm_ < leg_end_mm_) return leg(view);
+  if (way_mm_ < straight_.end_mm) return leg(view);
   if (!heading_deg_) {
     const auto base = belief_.estimate();
     if (base && !take_way_in(view, floor, *base)) return to_way_in(view, floor, *base);
@@ -165,7 +170,7 @@ bool Docking::take_way_in(const DemoView& view, const FloorMemory& floor,
   const double s = std::sin(base.heading_rad);
   const double ahead_mm = c * x_mm + s * y_mm;
   const double aside_mm = std::abs(c * y_mm - s * x_mm);
-  if (aside_mm > std::max(0.5 * (ahead_mm - kTooNearMm), 0.0) + kAtPlaceMm) return false;
+  if (aside_mm > std::max(0.5 * (ahead_mm - kTooNearMm), kAtPlaceMm)) return false;
   // If obstacles leave no way, some are not where it thinks.
   if (met_ < kMetOnWayIn && !floor.open_line(floor.here(), in_front(base, kTooNearMm)))
     return false;
@@ -201,7 +206,8 @@ WheelSpeeds Docking::to_way_in(const DemoView& view, FloorMemory& floor,
 
 WheelSpeeds Docking::evade(const DemoView& view, double back_mm, double turn_deg, double leg_mm) {
   WheelSpeeds wheels{};
-  leg_end_mm_ = way_mm_ + back_mm + leg_mm;
+  straight_.mm = leg_mm;
+  pivots_ = false;
   evasion_.start(view, back_mm, turn_deg);
   (void)evasion_.step(view, wheels);  // it has only begun
   return wheels;
@@ -238,7 +244,7 @@ WheelSpeeds Docking::meet(const DemoView& view) {
 WheelSpeeds Docking::leg(const DemoView& view) const {
   if (buoys_ == kRedBuoy) return arc(kFarMmPerSec, kLegMm);
   if (buoys_ == kGreenBuoy) return arc(kFarMmPerSec, -kLegMm);
-  return steer(kFarMmPerSec, leg_deg_ - view.turned_deg);
+  return steer(kFarMmPerSec, straight_.deg - view.turned_deg);
 }
 
 // To the way in of a base that all it saw agrees with, where it has not been yet; or else around
@@ -280,8 +286,10 @@ WheelSpeeds Docking::head_for(const DemoView& view, FloorMemory::Place place) {
   const double way_deg =
       std::atan2(place.y_mm - here_.y_mm, place.x_mm - here_.x_mm) * 180.0 / std::numbers::pi;
   const double left_deg = std::remainder(way_deg - view.turned_deg, 360.0);
-  if (std::abs(left_deg) > kPivotDeg) return evade(view, 0.0, left_deg, 0.0);
-  return steer(kFarMmPerSec, left_deg);
+  if (std::abs(left_deg) <= kPivotDeg) return steer(kFarMmPerSec, left_deg);
+  const WheelSpeeds wheels = evade(view, 0.0, left_deg, 0.0);
+  pivots_ = true;
+  return wheels;
 }
 
 // To the left of it; to the right less than 0.
@@ -330,7 +338,10 @@ WheelSpeeds Docking::approach(const DemoView& view, FloorMemory& floor) {
       std::abs(beside_mm) > 0.6 * (away_mm - kTooNearMm)) {
     const double left_deg = *heading_deg_ - view.turned_deg;
     if (std::abs(left_deg) > kPivotDeg) return evade(view, 0.0, left_deg, 0.0);
-    return evade(view, kRetreatMm, 0.0, 0.0);
+    if (evasion_.way_back_mm(view) > kLeastRetreatMm) return evade(view, kRetreatMm, 0.0, 0.0);
+    forget();
+    plan_.chosen_at = rt::Duration{0};
+    return circle(view, floor);
   }
   const double inward_deg =
       std::clamp(-kInwardDegPerMm * beside_mm, -kMostInwardDeg, kMostInwardDeg);
@@ -351,7 +362,7 @@ WheelSpeeds Docking::circle(const DemoView& view, FloorMemory& floor) {
   // Across the light, once for each time that it comes to it.
   if (buoys_.any() && way_mm_ - buoys_since_mm_ < kLongLegMm) {
     plan_.chosen_at = rt::Duration{0};
-    leg_deg_ = view.turned_deg;
+    straight_.deg = view.turned_deg;
     return leg(view);
   }
   return explore(view, floor);

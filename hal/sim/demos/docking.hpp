@@ -46,6 +46,13 @@ class Docking {
     rt::Duration chosen_at{0};
   };
 
+  // After it has turned it drives straight, whatever it sees.
+  struct Straight {
+    double mm = 0.0;
+    double end_mm = 0.0;  // of its way
+    double deg = 0.0;
+  };
+
   void look(const DemoView& view);
   void cross(oi::HomeBaseBeams from, oi::HomeBaseBeams to);
   void forget();
@@ -95,8 +102,8 @@ class Docking {
   std::optional<double> heading_deg_{};  // to the base, as `turned_deg` counts; if known
   Edge line_{};                          // a place from where that heading leads to the base
   Leg plan_{};                           // to the way in, or where it looks for it
-  double leg_end_mm_ = 0.0;  // until it has come so far it drives straight, whatever it sees
-  double leg_deg_ = 0.0;
+  Straight straight_{};
+  bool pivots_ = false;  // to where it plans to go
 };
 
 }  // namespace cargobay::hal::sim

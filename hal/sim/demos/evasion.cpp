@@ -8,7 +8,9 @@ namespace cargobay::hal::sim {
 
 namespace {
 
-constexpr double kEvadeTurnMmPerSec = 120.0;
+// Where it saw a cliff, so that it stops in time if it turns to one.
+constexpr double kCliffTurnMmPerSec = 100.0;
+constexpr double kCarefulMm = 500.0;
 // Fast, or a robot that comes to a cliff is over it with its caster before it stands.
 constexpr double kEvadeBackMmPerSec = 400.0;
 constexpr double kFromCliffMm = 80.0;
@@ -20,8 +22,9 @@ constexpr double kStandsDeg = 0.5;
 }  // namespace
 
 void Evasion::start(const DemoView& view, double back_mm, double turn_deg) {
+  if (view.seen->any_cliff()) cliff_mm_ = view.travelled_mm;
   // Not beyond where it began to drive this way: nothing at its back sees a cliff.
-  back_mm_ = std::min(back_mm, view.travelled_mm - turned_at_mm_);
+  back_mm_ = std::min(back_mm, way_back_mm(view));
   backs_ = back_mm_ > 0.0;
   brake(view);
   turn_deg_ = turn_deg;
@@ -63,13 +66,13 @@ bool Evasion::cliff_ahead(const Inputs& seen) const {
 
 // From a cliff, the way that it came.
 void Evasion::retreat(const DemoView& view) {
-  back_mm_ = std::min(kFromCliffMm, view.travelled_mm - turned_at_mm_);
+  back_mm_ = std::min(kFromCliffMm, way_back_mm(view));
   begin_back(view);
 }
 
 void Evasion::begin_turn(const DemoView& view) {
   // So close to a cliff a wheel would drop.
-  if (view.seen->any_cliff() && !undoes_ && view.travelled_mm - turned_at_mm_ > kLeastBackMm) {
+  if (view.seen->any_cliff() && !undoes_ && way_back_mm(view) > kLeastBackMm) {
     retreat(view);
     return;
   }
@@ -101,6 +104,7 @@ void Evasion::turn(const DemoView& view) {
 }
 
 bool Evasion::step(const DemoView& view, WheelSpeeds& wheels) {
+  if (view.seen->any_cliff()) cliff_mm_ = view.travelled_mm;
   if (phase_ == Phase::back && began_travelled_mm_ - view.travelled_mm >= back_mm_) brake(view);
   if (phase_ == Phase::brake && stands(view)) {
     if (backs_) {
@@ -110,11 +114,14 @@ bool Evasion::step(const DemoView& view, WheelSpeeds& wheels) {
     }
   }
   if (phase_ == Phase::turn) turn(view);
+  const bool careful = std::abs(view.travelled_mm - cliff_mm_) < kCarefulMm;
   switch (phase_) {
     case Phase::over: return false;
     case Phase::brake: wheels = {}; return true;
     case Phase::back: wheels = straight(-kEvadeBackMmPerSec); return true;
-    case Phase::turn: wheels = turn_left(std::copysign(kEvadeTurnMmPerSec, turn_deg_)); return true;
+    case Phase::turn:
+      wheels = turn_left(std::copysign(careful ? kCliffTurnMmPerSec : turn_mm_s_, turn_deg_));
+      return true;
   }
   return false;
 }

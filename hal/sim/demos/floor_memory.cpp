@@ -17,11 +17,9 @@ constexpr double kCoveredMm = 170.0;
 constexpr double kRoomMm = 190.0;      // the centre comes no closer to a wall
 constexpr double kHoleMm = 230.0;      // to a hole, which it must not touch
 constexpr double kBeamRoomMm = 300.0;  // what it sees of a beam is some of it
-constexpr double kWallSensorOffDeg = -65.0;
+constexpr double kClosedMm = 130.0;
+constexpr double kBeamClosedMm = 130.0;
 constexpr double kWallSensorMm = 120.0;  // how far it sees; its signal is 4095 at a distance of 0
-constexpr double kCliffAheadMm = 150.0;
-constexpr double kCliffFrontOffDeg = 17.0;
-constexpr double kCliffSideOffDeg = 65.0;
 constexpr double kBumpSideDeg = 45.0;
 // A bumper that is pressed holds the robot, whatever its wheels do: how much of its way remains.
 constexpr double kPartHeldBoth = 0.1;
@@ -92,6 +90,7 @@ void FloorMemory::look(const DemoView& view) {
   if (way_mm_ - marked_mm_ < kMarksEveryMm && meets == met_) return;
   marked_mm_ = way_mm_;
   mark(here_, 0.0, passed);
+  unmark(here_, 0.0, static_cast<Mark>(closed | solid));
   mark(here_, kCoveredMm, covered);
   mark(here_, kNearedMm, neared);
   mark(here_, kLookedMm, looked);
@@ -101,17 +100,18 @@ void FloorMemory::look(const DemoView& view) {
   }
   if (seen.wall_signal > 0) {
     const double away_mm = kWallSensorMm * (1.0 - seen.wall_signal / 4095.0);
-    meet(view, kRobotRadiusMm + away_mm, kWallSensorOffDeg, kRoomMm);
+    meet(view, kRobotRadiusMm + away_mm, kWallSensorDeg, kRoomMm);
   }
-  if (seen.cliff_left.cliff) meet(view, kCliffAheadMm, kCliffSideOffDeg, kHoleMm);
-  if (seen.cliff_front_left.cliff) meet(view, kCliffAheadMm, kCliffFrontOffDeg, kHoleMm);
-  if (seen.cliff_front_right.cliff) meet(view, kCliffAheadMm, -kCliffFrontOffDeg, kHoleMm);
-  if (seen.cliff_right.cliff) meet(view, kCliffAheadMm, -kCliffSideOffDeg, kHoleMm);
+  if (seen.cliff_left.cliff) meet(view, kCliffSideMm, kCliffSideDeg, kHoleMm);
+  if (seen.cliff_front_left.cliff) meet(view, kCliffFrontMm, kCliffFrontDeg, kHoleMm);
+  if (seen.cliff_front_right.cliff) meet(view, kCliffFrontMm, -kCliffFrontDeg, kHoleMm);
+  if (seen.cliff_right.cliff) meet(view, kCliffSideMm, -kCliffSideDeg, kHoleMm);
   // The force field of a Home Base looks like one.
   if (beams_ == Beams::close && seen.virtual_wall &&
       !seen.beams().has(oi::HomeBaseBeam::force_field)) {
     mark(here_, 0.0, in_beam);
     mark(here_, kBeamRoomMm, tight);
+    mark(here_, kBeamClosedMm, closed);
   }
   met_ = meets;
 }
@@ -121,13 +121,16 @@ void FloorMemory::meet(const DemoView& view, double away_mm, double off_deg, dou
   const Place at{.x_mm = here_.x_mm + away_mm * std::cos(way_rad),
                  .y_mm = here_.y_mm + away_mm * std::sin(way_rad)};
   mark(at, room_mm, tight);
+  mark(at, kClosedMm, closed);
+  unmark(at, kClosedMm, passed);
   mark(at, 0.0, solid);
 }
 
-void FloorMemory::mark(Place at, double radius_mm, Mark as) {
+template <typename Visit>
+void FloorMemory::visit(Place at, double radius_mm, Visit&& visit) {
   using G = Grid<kAcross>;
   if (radius_mm == 0.0) {
-    if (G::inside(at)) cells_[G::index(at)] |= as;
+    if (G::inside(at)) visit(cells_[G::index(at)]);
     return;
   }
   const int cells = static_cast<int>(std::ceil(radius_mm / kCellMm));
@@ -136,9 +139,17 @@ void FloorMemory::mark(Place at, double radius_mm, Mark as) {
       const Place near{.x_mm = at.x_mm + kCellMm * column, .y_mm = at.y_mm + kCellMm * row};
       if (!G::inside(near)) continue;
       const std::size_t cell = G::index(near);
-      if (apart_mm(G::centre(cell), at) <= radius_mm) cells_[cell] |= as;
+      if (apart_mm(G::centre(cell), at) <= radius_mm) visit(cells_[cell]);
     }
   }
+}
+
+void FloorMemory::mark(Place at, double radius_mm, Mark as) {
+  visit(at, radius_mm, [as](std::uint16_t& marks) { marks |= as; });
+}
+
+void FloorMemory::unmark(Place at, double radius_mm, Mark as) {
+  visit(at, radius_mm, [as](std::uint16_t& marks) { marks &= static_cast<std::uint16_t>(~as); });
 }
 
 bool FloorMemory::followed(double ahead_mm) const {
@@ -149,14 +160,15 @@ bool FloorMemory::followed(double ahead_mm) const {
   return G::inside(at) && (cells_[G::index(at)] & followed_wall) != 0;
 }
 
-bool FloorMemory::open(std::size_t cell) const {
-  const std::uint8_t marks = cells_[cell];
+bool FloorMemory::open(std::size_t cell, Care care) const {
+  const std::uint16_t marks = cells_[cell];
   if ((marks & in_beam) != 0) return false;
-  if (squeezes_ && (marks & solid) == 0) return true;
-  return (marks & tight) == 0 || (marks & passed) != 0;
+  if ((marks & passed) != 0) return true;
+  const Mark shut = care == Care::wide ? tight : care == Care::narrow ? closed : solid;
+  return (marks & shut) == 0;
 }
 
-bool FloorMemory::open_line(Place from, Place to) const {
+bool FloorMemory::open_line(Place from, Place to, Care care) const {
   using G = Grid<kAcross>;
   const double long_mm = apart_mm(from, to);
   const int steps = static_cast<int>(std::ceil(long_mm / (0.5 * kCellMm)));
@@ -165,7 +177,7 @@ bool FloorMemory::open_line(Place from, Place to) const {
     const Place at{.x_mm = from.x_mm + part * (to.x_mm - from.x_mm),
                    .y_mm = from.y_mm + part * (to.y_mm - from.y_mm)};
     if (apart_mm(at, from) < kCellMm) continue;
-    if (!G::inside(at) || !open(G::index(at))) return false;
+    if (!G::inside(at) || !open(G::index(at), care)) return false;
   }
   return true;
 }
@@ -180,20 +192,20 @@ bool FloorMemory::roomy(double radius_mm) const {
   return true;
 }
 
-template <typename Wanted>
-std::size_t FloorMemory::search(Wanted&& wanted) {
-  squeezes_ = false;
-  const std::size_t found = spread(wanted);
-  if (found != kCells || spread_ >= kEnclosed) return found;
-  squeezes_ = true;
-  return spread(wanted);
+template <typename Found>
+void FloorMemory::with_less_care(Care least, Found&& found) {
+  for (const Care care : {Care::wide, Care::narrow, Care::squeeze}) {
+    care_ = care;
+    if (care == Care::squeeze && spread_ >= kEnclosed) return;
+    if (found() || care == least) return;
+  }
 }
 
 template <typename Wanted>
-std::size_t FloorMemory::spread(Wanted&& wanted) {
+bool FloorMemory::spread(Wanted&& wanted) {
   using G = Grid<kAcross>;
   constexpr std::uint16_t kUnseen = 0xffff;
-  if (!G::inside(here_)) return kCells;
+  if (!G::inside(here_)) return false;
   from_.fill(kUnseen);
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -201,13 +213,13 @@ std::size_t FloorMemory::spread(Wanted&& wanted) {
   from_[start] = static_cast<std::uint16_t>(start);
   edge_[end++] = static_cast<std::uint16_t>(start);
   const auto try_cell = [&](std::size_t cell, std::size_t from) {
-    if (from_[cell] != kUnseen || !open(cell)) return;
+    if (from_[cell] != kUnseen || !open(cell, care_)) return;
     from_[cell] = static_cast<std::uint16_t>(from);
     edge_[end++] = static_cast<std::uint16_t>(cell);
   };
   while (begin < end) {
     const std::size_t cell = edge_[begin++];
-    if (wanted(cell)) return cell;
+    if (wanted(cell)) return true;
     const std::size_t column = cell % kAcross;
     const std::size_t row = cell / kAcross;
     if (column > 0) try_cell(cell - 1, cell);
@@ -216,7 +228,7 @@ std::size_t FloorMemory::spread(Wanted&& wanted) {
     if (row + 1 < kAcross) try_cell(cell + kAcross, cell);
   }
   spread_ = end;
-  return kCells;
+  return false;
 }
 
 // The farthest place on the way found that a straight line leads to.
@@ -224,16 +236,16 @@ FloorMemory::Place FloorMemory::first_leg(std::size_t to) const {
   using G = Grid<kAcross>;
   std::size_t cell = to;
   while (from_[cell] != cell) {
-    if (open_line(here_, G::centre(cell))) return G::centre(cell);
+    if (open_line(here_, G::centre(cell), care_)) return G::centre(cell);
     if (from_[from_[cell]] == from_[cell]) break;  // the first step
     cell = from_[cell];
   }
   return G::centre(cell);
 }
 
-std::uint8_t FloorMemory::old_marks(Fresh how) {
+std::uint16_t FloorMemory::old_marks(Fresh how) {
   const Mark been = how == Fresh::far ? neared : how == Fresh::near ? looked : covered;
-  return static_cast<std::uint8_t>(been | tight);
+  return static_cast<std::uint16_t>(been | tight);
 }
 
 bool FloorMemory::is_fresh(Place at, Fresh how) const {
@@ -243,21 +255,24 @@ bool FloorMemory::is_fresh(Place at, Fresh how) const {
 
 // Of the first places found, the one that costs least.
 template <typename Cost>
-std::optional<FloorMemory::Place> FloorMemory::toward_cheapest(Fresh how, int compared,
-                                                               Cost&& cost) {
+std::optional<FloorMemory::Place> FloorMemory::toward_cheapest(Fresh how, Care least_care,
+                                                               int compared, Cost&& cost) {
   using G = Grid<kAcross>;
   old_ = old_marks(how);
   goal_ = kCells;
   double least = 0.0;
-  int found = 0;
-  search([&](std::size_t cell) {
-    if ((cells_[cell] & old_) != 0) return false;
-    const double now = cost(G::centre(cell));
-    if (goal_ == kCells || now < least) {
-      goal_ = cell;
-      least = now;
-    }
-    return ++found == compared;
+  with_less_care(least_care, [&] {
+    int found = 0;
+    spread([&](std::size_t cell) {
+      if ((cells_[cell] & old_) != 0) return false;
+      const double now = cost(G::centre(cell));
+      if (goal_ == kCells || now < least) {
+        goal_ = cell;
+        least = now;
+      }
+      return ++found == compared;
+    });
+    return found > 0;
   });
   if (goal_ == kCells) return std::nullopt;
   return first_leg(goal_);
@@ -265,7 +280,7 @@ std::optional<FloorMemory::Place> FloorMemory::toward_cheapest(Fresh how, int co
 
 // It also turns as little as it can.
 std::optional<FloorMemory::Place> FloorMemory::toward_fresh(Fresh how) {
-  return toward_cheapest(how, kComparedPlaces, [this](Place at) {
+  return toward_cheapest(how, Care::squeeze, kComparedPlaces, [this](Place at) {
     const double way_deg =
         std::atan2(at.y_mm - here_.y_mm, at.x_mm - here_.x_mm) * 180.0 / std::numbers::pi;
     const double turn_deg = std::abs(std::remainder(way_deg - last_turned_deg_, 360.0));
@@ -273,21 +288,24 @@ std::optional<FloorMemory::Place> FloorMemory::toward_fresh(Fresh how) {
   });
 }
 
-std::optional<FloorMemory::Place> FloorMemory::toward_fresh_around(Fresh how, Place middle) {
-  return toward_cheapest(how, 4 * kComparedPlaces, [this, middle](Place at) {
+std::optional<FloorMemory::Place> FloorMemory::toward_fresh_around(Fresh how, Place middle,
+                                                                   Care least) {
+  return toward_cheapest(how, least, 4 * kComparedPlaces, [this, middle](Place at) {
     return 2.0 * apart_mm(at, middle) + apart_mm(at, here_);
   });
 }
 
 bool FloorMemory::is_old() const { return goal_ == kCells || (cells_[goal_] & old_) != 0; }
 
-std::optional<FloorMemory::Place> FloorMemory::toward(Place to) {
+std::optional<FloorMemory::Place> FloorMemory::toward(Place to, Care least) {
   using G = Grid<kAcross>;
   if (!G::inside(to)) return std::nullopt;
-  squeezes_ = false;
   if (open_line(here_, to)) return to;
   const std::size_t goal = G::index(to);
-  if (search([&](std::size_t cell) { return cell == goal; }) == kCells) return std::nullopt;
+  bool leads_there = false;
+  with_less_care(least,
+                 [&] { return leads_there = spread([&](std::size_t at) { return at == goal; }); });
+  if (!leads_there) return std::nullopt;
   return first_leg(goal);
 }
 

@@ -30,6 +30,9 @@ class FloorMemory {
     lead,   // what the robot is after
   };
 
+  // How far its ways keep off what it met.
+  enum class Care : std::uint8_t { wide, narrow, squeeze };
+
   // A demo begins, and nothing is known.
   void reset(const DemoView& view, Beams beams);
   // Forgets the floor, but not where the robot is.
@@ -46,10 +49,11 @@ class FloorMemory {
   // nearest place so new, or to this one. Nothing if no way leads there.
   std::optional<Place> toward_fresh(Fresh how);
   // The same, rather close to a place than to the robot.
-  std::optional<Place> toward_fresh_around(Fresh how, Place middle);
-  std::optional<Place> toward(Place to);
+  std::optional<Place> toward_fresh_around(Fresh how, Place middle, Care least = Care::squeeze);
+  // With that much care at least.
+  std::optional<Place> toward(Place to, Care least = Care::squeeze);
   // Whether nothing was met on the straight way between two places.
-  bool open_line(Place from, Place to) const;
+  bool open_line(Place from, Place to) const { return open_line(from, to, Care::wide); }
   // Whether it met nothing that close to where it is.
   bool roomy(double radius_mm) const;
   bool is_fresh(Place at, Fresh how) const;
@@ -63,7 +67,7 @@ class FloorMemory {
   static constexpr std::size_t kAcross = 128;  // cells
   static constexpr std::size_t kCells = kAcross * kAcross;
   static constexpr double kFollowedMm = 120.0;
-  enum Mark : std::uint8_t {
+  enum Mark : std::uint16_t {
     passed = 1,          // the robot's centre was here
     covered = 2,         // its body was
     neared = 4,          // it was within half a metre
@@ -72,30 +76,37 @@ class FloorMemory {
     solid = 128,         // what it met is here
     looked = 64,         // it was within 300 mm
     followed_wall = 32,  // along a wall
+    closed = 256,        // closer than tight: what it met would have to be elsewhere
   };
 
   void reckon(const DemoView& view);
   void look(const DemoView& view);
   void meet(const DemoView& view, double away_mm, double off_deg, double room_mm);
+  // Calls visit(marks) for each cell whose centre is that close; with 0 for the one around it.
+  template <typename Visit>
+  void visit(Place at, double radius_mm, Visit&& visit);
   void mark(Place at, double radius_mm, Mark as);
-  bool open(std::size_t cell) const;
-  // From the robot outward to the first cell that is `wanted`; kCells if there is none.
+  void unmark(Place at, double radius_mm, Mark as);
+  bool open(std::size_t cell, Care care) const;
+  bool open_line(Place from, Place to, Care care) const;
+  // Calls found() with ever less care, until it returns true or the least was not enough.
+  template <typename Found>
+  void with_less_care(Care least, Found&& found);
+  // Outward from the robot, until wanted(cell) returns true; false if it never does.
   template <typename Wanted>
-  std::size_t search(Wanted&& wanted);
-  template <typename Wanted>
-  std::size_t spread(Wanted&& wanted);
-  static std::uint8_t old_marks(Fresh how);
+  bool spread(Wanted&& wanted);
+  static std::uint16_t old_marks(Fresh how);
   template <typename Cost>
-  std::optional<Place> toward_cheapest(Fresh how, int compared, Cost&& cost);
+  std::optional<Place> toward_cheapest(Fresh how, Care least_care, int compared, Cost&& cost);
   Place first_leg(std::size_t to) const;
 
-  std::array<std::uint8_t, kCells> cells_{};
+  std::array<std::uint16_t, kCells> cells_{};
   std::array<std::uint16_t, kCells> from_{};  // of a search: where it came from
   std::array<std::uint16_t, kCells> edge_{};
-  bool squeezes_ = false;   // through what may be too tight
+  Care care_ = Care::wide;
   std::size_t spread_ = 0;  // cells that a search got to
   std::size_t goal_ = 0;
-  std::uint8_t old_ = 0;  // what makes it an old one
+  std::uint16_t old_ = 0;  // what makes it an old one
   Beams beams_ = Beams::close;
   Place here_{};
   double way_mm_ = 0.0;

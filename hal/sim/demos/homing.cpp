@@ -191,7 +191,7 @@ void Homing::search_elsewhere(const FloorMemory& floor) {
 bool Homing::choose(const DemoView& view, FloorMemory& floor) {
   chosen_at_ = view.now;
   if (ever_saw_) {
-    const auto leg = floor.toward(saw_);
+    const auto leg = floor.toward(saw_, FloorMemory::Care::wide);
     if (leg && bumps_ < kMostBumps) {
       to_ = *leg;
       return true;
@@ -199,7 +199,7 @@ bool Homing::choose(const DemoView& view, FloorMemory& floor) {
     ever_saw_ = false;
   }
   while (has_met_ && place_ < kLooksAtMm.size()) {
-    const auto leg = floor.toward(from_met(kLooksAtMm[place_]));
+    const auto leg = floor.toward(from_met(kLooksAtMm[place_]), FloorMemory::Care::wide);
     if (leg && bumps_ < kMostBumps) {
       to_ = *leg;
       return true;
@@ -208,11 +208,12 @@ bool Homing::choose(const DemoView& view, FloorMemory& floor) {
     bumps_ = 0;
   }
   bumps_ = 0;
-  auto leg = floor.toward_fresh_around(FloorMemory::Fresh::near, middle_.at);
+  auto leg =
+      floor.toward_fresh_around(FloorMemory::Fresh::near, middle_.at, FloorMemory::Care::wide);
   if (!leg) {
     floor.forget();
     has_met_ = false;  // then the last will do
-    leg = floor.toward_fresh_around(FloorMemory::Fresh::near, middle_.at);
+    leg = floor.toward_fresh_around(FloorMemory::Fresh::near, middle_.at, FloorMemory::Care::wide);
   }
   if (!leg) return false;
   to_ = *leg;

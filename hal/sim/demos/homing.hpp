@@ -42,7 +42,9 @@ class Homing {
   void reckon(const DemoView& view, const FloorMemory& floor);
 
   Phase phase_ = Phase::spin;
-  Evasion evasion_{};
+  static constexpr double kAimMmPerSec = 120.0;  // it must not turn too far
+
+  Evasion evasion_{kAimMmPerSec};
   double side_ = 1.0;             // it spins to the left; -1 to the right
   double spin_deg_ = 0.0;         // where the spin began
   bool sees_ = false;             // at the last tick

@@ -89,6 +89,40 @@ TEST(FloorMemory, LeadsAroundWhatItMet) {
   EXPECT_TRUE(robot.floor.open_line(robot.floor.here(), *leg));
 }
 
+// Its reckoning was wrong: it has not been there.
+TEST(FloorMemory, BelievesABumpRatherThanThatItPassedThere) {
+  Remembering robot;
+  robot.drive(700.0);
+  robot.drive(-400.0);
+  EXPECT_TRUE(robot.floor.open_line(robot.floor.here(), {.x_mm = 700.0}));
+  robot.seen.bump_left = robot.seen.bump_right = true;
+  robot.floor.watch(robot.view);
+  robot.seen.bump_left = robot.seen.bump_right = false;
+  EXPECT_FALSE(robot.floor.open_line(robot.floor.here(), {.x_mm = 700.0}));
+}
+
+// A wall across the way, except for 190 mm on either side of it.
+TEST(FloorMemory, TriesANarrowGapIfNoOtherWayLeadsThere) {
+  Remembering robot;
+  for (const double side : {90.0, -90.0}) {
+    robot.turn(side);
+    robot.drive(140.0);
+    for (int i = 0; i < 140; ++i) {
+      robot.drive(50.0);
+      robot.turn(-side);
+      robot.seen.bump_left = robot.seen.bump_right = true;
+      robot.floor.watch(robot.view);
+      robot.seen.bump_left = robot.seen.bump_right = false;
+      robot.turn(side);
+    }
+    robot.drive(-140.0 - 140 * 50.0);
+    robot.turn(-side);
+  }
+  const FloorMemory::Place beyond{.x_mm = 1000.0};
+  EXPECT_FALSE(robot.floor.toward(beyond, FloorMemory::Care::wide));
+  EXPECT_TRUE(robot.floor.toward(beyond, FloorMemory::Care::narrow));
+}
+
 TEST(FloorMemory, KeepsFartherFromACliff) {
   Remembering robot;
   robot.drive(500.0);
