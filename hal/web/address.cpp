@@ -31,8 +31,9 @@ std::optional<in6_addr> ipv6(std::string_view host) {
 
 std::optional<std::uint16_t> port_of(std::string_view text) {
   std::uint16_t port = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, port);
   if (error != std::errc{} || stop != end) return std::nullopt;
   return port;
 }

@@ -25,7 +25,7 @@ enum class CloseCode : std::uint16_t {
   try_again_later = 1013  // the feed has too many clients
 };
 struct Ending {
-  CloseCode code{};
+  CloseCode code = CloseCode::going_away;
   std::string reason{};
 };
 

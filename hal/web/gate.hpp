@@ -53,7 +53,7 @@ class Gate {
   const Policy& policy() const { return policy_; }
 
  private:
-  bool is_served(std::string_view host) const;
+  bool is_served(std::string_view header) const;
   bool is_own(std::string_view origin, std::string_view host) const;
   bool has_token(const Request& request) const;
   std::string cookie_name() const;

@@ -92,8 +92,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string subscriptions;
   for (const Channel& channel : channels()) {
     const std::string number = std::to_string(static_cast<int>(channel.id));
-    subscriptions += (subscriptions.empty() ? "{\"id\":" : ",{\"id\":") + number +
-                     ",\"channelId\":" + number + "}";
+    subscriptions += subscriptions.empty() ? R"({"id":)" : R"(,{"id":)";
+    ((subscriptions += number) += R"(,"channelId":)") += number;
+    subscriptions += '}';
   }
   (void)prepared.hear(R"({"op":"subscribe","subscriptions":[)" + subscriptions + "]}", false);
   (void)prepared.hear(

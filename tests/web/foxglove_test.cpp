@@ -14,7 +14,7 @@ namespace web = cargobay::web;
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-constexpr std::int64_t kNow_ns = 1'700'000'000'000'000'000;
+constexpr std::int64_t kNowNs = 1'700'000'000'000'000'000;
 
 const std::string kState =
     R"({"type":"state","seq":7,"tick":2,"time_s":0.5,"unix_time_s":1700000000.25,)"
@@ -93,19 +93,19 @@ TEST_F(FoxgloveTest, IntroducesItself) {
 TEST_F(FoxgloveTest, PassesTheFeedOnByteByByte) {
   (void)texts();
   subscribe(9, web::ChannelId::state);
-  conversation_.tell(kState, kNow_ns);
+  conversation_.tell(kState, kNowNs);
   const auto messages = data();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].subscription, 9U);
   EXPECT_EQ(messages[0].payload, kState);
   EXPECT_EQ(messages[0].time_ns, 1'700'000'000'250'000'000U);
   say({{"op", "unsubscribe"}, {"subscriptionIds", {9}}});
-  conversation_.tell(kState, kNow_ns);
+  conversation_.tell(kState, kNowNs);
   EXPECT_TRUE(data().empty());
 }
 
 TEST_F(FoxgloveTest, AsksTheFeedForNoMoreThanIsWanted) {
-  conversation_.tell(R"({"type":"hello","seq":1,"wheel_base_mm":258})", kNow_ns);
+  conversation_.tell(R"({"type":"hello","seq":1,"wheel_base_mm":258})", kNowNs);
   EXPECT_EQ(requests(),
             "{\"do\":\"subscribe\",\"types\":[\"statistics\",\"virtual_create\",\"world\"]}\n");
   subscribe(1, web::ChannelId::true_pose);
@@ -116,7 +116,7 @@ TEST_F(FoxgloveTest, AsksTheFeedForNoMoreThanIsWanted) {
 
 TEST_F(FoxgloveTest, GivesLateSubscribersWhatComesRarely) {
   const std::string statistics = R"({"type":"statistics","seq":3,"unsent":0})";
-  conversation_.tell(statistics, kNow_ns);
+  conversation_.tell(statistics, kNowNs);
   conversation_.to_client().clear();
   subscribe(4, web::ChannelId::statistics);
   const auto messages = data();
@@ -134,12 +134,12 @@ TEST_F(FoxgloveTest, DrawsThePoseAndTheWorldInOneFrame) {
   conversation_.tell(
       R"({"type":"world","seq":2,"walls":[{"x1_mm":0,"y1_mm":0,"x2_mm":2000,"y2_mm":0}],)"
       R"("boxes":[],"posts":[{"x_mm":500,"y_mm":0,"radius_mm":50}],"home_base":null})",
-      kNow_ns);
-  conversation_.tell(kState, kNow_ns);
+      kNowNs);
+  conversation_.tell(kState, kNowNs);
   // The world's origin is where the odometry has (0, -1.5), turned by -90 degrees.
   conversation_.tell(R"({"type":"truth","seq":9,"time_s":0.5,)"
                      R"("pose":{"x_mm":-1000,"y_mm":1000,"heading_deg":90}})",
-                     kNow_ns);
+                     kNowNs);
   const auto messages = data();
   ASSERT_EQ(messages.size(), 5U);
   const Json pose = Json::parse(messages[0].payload);
@@ -164,10 +164,10 @@ TEST_F(FoxgloveTest, TakesTheLeaseForTheFirstVelocityAndSendsTheNewest) {
   EXPECT_EQ(requests(), "{\"id\":1,\"do\":\"hold\",\"name\":\"Foxglove\"}\n");
   publish(R"({"twist":{"linear":{"x":0.2},"angular":{"z":0}}})");
   EXPECT_EQ(requests(), "");
-  conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNow_ns);
+  conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNowNs);
   EXPECT_EQ(requests(),
             "{\"id\":2,\"do\":\"drive\",\"velocity_mm_s\":200.0,\"turn_rate_rad_s\":0.0}\n");
-  conversation_.tell(R"({"type":"answer","id":2,"ok":true})", kNow_ns);
+  conversation_.tell(R"({"type":"answer","id":2,"ok":true})", kNowNs);
   publish(R"({"linear":{"x":-0.1}})");
   EXPECT_THAT(requests(), HasSubstr("\"velocity_mm_s\":-100.0"));
   say({{"op", "unadvertise"}, {"channelIds", {5}}});
@@ -179,7 +179,7 @@ TEST_F(FoxgloveTest, SaysWhoSteersIfItIsSomebodyElse) {
   publish(R"({"linear":{"x":0.1}})");
   (void)requests();
   (void)texts();
-  conversation_.tell(R"({"type":"answer","id":1,"ok":false,"error":"Ada steers"})", kNow_ns);
+  conversation_.tell(R"({"type":"answer","id":1,"ok":false,"error":"Ada steers"})", kNowNs);
   EXPECT_EQ(requests(), "");
   const auto said = texts();
   ASSERT_EQ(said.size(), 1U);
@@ -192,8 +192,8 @@ TEST_F(FoxgloveTest, SaysWhoSteersIfItIsSomebodyElse) {
 TEST_F(FoxgloveTest, AsksForTheLeaseAgainWhenItIsLost) {
   advertise();
   publish(R"({"linear":{"x":0.1}})");
-  conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNow_ns);
-  conversation_.tell(R"({"type":"holder","seq":5,"name":"Ada"})", kNow_ns);
+  conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNowNs);
+  conversation_.tell(R"({"type":"holder","seq":5,"name":"Ada"})", kNowNs);
   (void)requests();
   publish(R"({"linear":{"x":0.1}})");
   EXPECT_THAT(requests(), HasSubstr("\"do\":\"hold\""));
@@ -213,7 +213,7 @@ TEST_F(FoxgloveTest, DrivesByNoVelocityThatIsNone) {
 }
 
 TEST_F(FoxgloveTest, HasParameters) {
-  conversation_.tell(R"({"type":"hello","seq":1,"wheel_base_mm":258,"steerable":true})", kNow_ns);
+  conversation_.tell(R"({"type":"hello","seq":1,"wheel_base_mm":258,"steerable":true})", kNowNs);
   (void)texts();
   say({{"op", "getParameters"}, {"parameterNames", {"wheel_base_mm", "steerable"}}, {"id", "a"}});
   const auto answers = texts();
@@ -226,7 +226,7 @@ TEST_F(FoxgloveTest, HasParameters) {
   EXPECT_EQ(refused[0]["op"], "status");
   EXPECT_EQ(refused[1]["parameters"][0]["value"], 258);
   say({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"holder"}}});
-  conversation_.tell(R"({"type":"holder","seq":5,"name":"Ada"})", kNow_ns);
+  conversation_.tell(R"({"type":"holder","seq":5,"name":"Ada"})", kNowNs);
   const auto updates = texts();
   (void)updates;
 }
@@ -235,7 +235,7 @@ TEST_F(FoxgloveTest, StopsByAService) {
   (void)texts();
   say_binary(std::string("\x02\x01\x00\x00\x00\x2a\x00\x00\x00\x04\x00\x00\x00json{}", 19));
   EXPECT_EQ(requests(), "{\"id\":1,\"do\":\"stop\"}\n");
-  conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNow_ns);
+  conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNowNs);
   ASSERT_EQ(conversation_.to_client().size(), 1U);
   const std::string answer = conversation_.to_client().front().bytes;
   EXPECT_EQ(answer.at(0), 3);
@@ -272,7 +272,7 @@ TEST_F(FoxgloveTest, AnswersNonsenseWithAStatus) {
 TEST_F(FoxgloveTest, BoundsWhatAClientCanPileUp) {
   for (std::uint32_t i = 0; i < 1000; ++i) subscribe(i, web::ChannelId::state);
   (void)texts();
-  conversation_.tell(kState, kNow_ns);
+  conversation_.tell(kState, kNowNs);
   EXPECT_EQ(data().size(), 128U);
   // Requests without answer.
   for (int i = 0; i < 1000; ++i)

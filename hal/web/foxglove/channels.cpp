@@ -69,7 +69,9 @@ const Channel* own_channel(std::string_view feed_type) {
   return found == kChannels.end() ? nullptr : &*found;
 }
 
-std::string advertisement() {
+namespace {
+
+std::string made_advertisement() {
   nlohmann::json list = nlohmann::json::array();
   for (const Channel& channel : kChannels) {
     const NamedSchema schema = schema_of(channel);
@@ -81,6 +83,13 @@ std::string advertisement() {
                     {"schemaEncoding", "jsonschema"}});
   }
   return nlohmann::json{{"op", "advertise"}, {"channels", list}}.dump();
+}
+
+}  // namespace
+
+const std::string& advertisement() {
+  static const std::string made = made_advertisement();
+  return made;
 }
 
 }  // namespace cargobay::web

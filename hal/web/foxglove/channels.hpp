@@ -33,7 +33,7 @@ enum class ChannelId : std::uint8_t {
 };
 
 struct Channel {
-  ChannelId id{};
+  ChannelId id = ChannelId::hello;
   std::string_view topic;
   std::string_view feed_type;  // what it is made of; one more if it needs it
   std::string_view also{};
@@ -44,8 +44,8 @@ const Channel* find_channel(std::uint64_t id);
 // The feed's own of that type, or null.
 const Channel* own_channel(std::string_view feed_type);
 
-// `advertise`, with schemas: JSON.
-std::string advertisement();
+// `advertise`, with schemas: JSON. Made once.
+const std::string& advertisement();
 
 // The topic on which clients publish a velocity, like geometry_msgs/Twist.
 inline constexpr std::string_view kVelocityTopic = "/cmd_vel";

@@ -12,11 +12,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kHeight_m = 0.15;     // of walls, boxes and posts
-constexpr double kThickness_m = 0.02;  // of a wall
-constexpr double kFloor_m = 0.002;     // of what lies on the floor
-constexpr double kBeam_m = 2.0;        // drawn length of a virtual wall
-constexpr double kBase_m = 0.15;
+constexpr double kHeightMetres = 0.15;     // of walls, boxes and posts
+constexpr double kThicknessMetres = 0.02;  // of a wall
+constexpr double kFloorMetres = 0.002;     // of what lies on the floor
+constexpr double kBeamMetres = 2.0;        // drawn length of a virtual wall
+constexpr double kBaseMetres = 0.15;
 
 struct Colour {
   double r = 0.0;
@@ -63,7 +63,8 @@ Json wall(const Pose& origin, const WorldItem& item) {
   const Pose middle{.x_m = metres(item.x_mm) + x / 2.0,
                     .y_m = metres(item.y_mm) + y / 2.0,
                     .heading_rad = std::atan2(y, x)};
-  return solid(placed_in(origin, middle), {std::hypot(x, y), kThickness_m, kHeight_m}, kWall);
+  return solid(placed_in(origin, middle), {std::hypot(x, y), kThicknessMetres, kHeightMetres},
+               kWall);
 }
 
 Json rectangle(const Pose& origin, const WorldItem& item, double height_m, const Colour& colour) {
@@ -76,7 +77,7 @@ Json rectangle(const Pose& origin, const WorldItem& item, double height_m, const
 Json post(const Pose& origin, const WorldItem& item) {
   const Pose middle{.x_m = metres(item.x_mm), .y_m = metres(item.y_mm)};
   const double width = metres(2.0 * item.radius_mm);
-  Json cylinder = solid(placed_in(origin, middle), {width, width, kHeight_m}, kPost);
+  Json cylinder = solid(placed_in(origin, middle), {width, width, kHeightMetres}, kPost);
   cylinder["bottom_scale"] = 1.0;
   cylinder["top_scale"] = 1.0;
   return cylinder;
@@ -85,16 +86,17 @@ Json post(const Pose& origin, const WorldItem& item) {
 // From its origin the way it faces.
 Json beam(const Pose& origin, const WorldItem& item) {
   const double heading = radians(item.heading_deg);
-  const Pose middle{.x_m = metres(item.x_mm) + std::cos(heading) * kBeam_m / 2.0,
-                    .y_m = metres(item.y_mm) + std::sin(heading) * kBeam_m / 2.0,
+  const Pose middle{.x_m = metres(item.x_mm) + std::cos(heading) * kBeamMetres / 2.0,
+                    .y_m = metres(item.y_mm) + std::sin(heading) * kBeamMetres / 2.0,
                     .heading_rad = heading};
-  return solid(placed_in(origin, middle), {kBeam_m, kThickness_m, kFloor_m}, kBeam);
+  return solid(placed_in(origin, middle), {kBeamMetres, kThicknessMetres, kFloorMetres}, kBeam);
 }
 
 Json base(const Pose& origin, const WorldItem& item) {
   const Pose middle{
       .x_m = metres(item.x_mm), .y_m = metres(item.y_mm), .heading_rad = radians(item.heading_deg)};
-  return solid(placed_in(origin, middle), {kBase_m / 3.0, kBase_m, kHeight_m / 3.0}, kBase);
+  return solid(placed_in(origin, middle), {kBaseMetres / 3.0, kBaseMetres, kHeightMetres / 3.0},
+               kBase);
 }
 
 }  // namespace
@@ -122,9 +124,9 @@ std::string scene_update(std::int64_t unix_ns, const World& world, const Pose& o
   Json cylinders = Json::array();
   for (const WorldItem& item : world.walls) cubes.push_back(wall(origin, item));
   for (const WorldItem& item : world.boxes)
-    cubes.push_back(rectangle(origin, item, kHeight_m, kBox));
+    cubes.push_back(rectangle(origin, item, kHeightMetres, kBox));
   for (const WorldItem& item : world.cliffs)
-    cubes.push_back(rectangle(origin, item, kFloor_m, kCliff));
+    cubes.push_back(rectangle(origin, item, kFloorMetres, kCliff));
   for (const WorldItem& item : world.posts) cylinders.push_back(post(origin, item));
   for (const WorldItem& item : world.virtual_walls) cubes.push_back(beam(origin, item));
   for (const WorldItem& item : world.home_bases) cubes.push_back(base(origin, item));

@@ -18,9 +18,9 @@ using Json = nlohmann::json;
 constexpr std::string_view kNameParameter = "steer.name";
 constexpr std::string_view kTakeParameter = "steer.take";
 constexpr std::string_view kHolderParameter = "holder";
-constexpr std::int64_t kPathEvery_ns = 500'000'000;
+constexpr std::int64_t kPathEveryNs = 500'000'000;
 // Farther than wheels go between two states: the odometry was set.
-constexpr double kJump_m = 0.2;
+constexpr double kJumpMetres = 0.2;
 // Types of which all is read, since little comes of them.
 constexpr auto kRareTypes =
     std::to_array<std::string_view>({"statistics", "virtual_create", "world"});
@@ -43,8 +43,8 @@ std::string dump(const Json& json) {
 // In two parts: all of it in nanoseconds is more than a double holds.
 std::int64_t nanoseconds(double time_s) {
   constexpr std::int64_t kSecond = 1'000'000'000;
-  constexpr double kMost_s = 4e9;  // beyond which it is no time of ours
-  if (!(time_s >= 0.0 && time_s < kMost_s)) return 0;
+  constexpr double kMostSeconds = 4e9;  // beyond which it is no time of ours
+  if (!(time_s >= 0.0 && time_s < kMostSeconds)) return 0;
   const double whole_s = std::floor(time_s);
   return std::llround(whole_s) * kSecond + std::llround((time_s - whole_s) * 1e9);
 }
@@ -309,7 +309,7 @@ void FoxgloveConversation::publish(ChannelId channel, std::int64_t unix_ns,
 
 void FoxgloveConversation::publish_state(const FeedMessage& message, std::int64_t unix_ns) {
   const Pose& pose = *message.pose;
-  if (odometry_ && std::hypot(pose.x_m - odometry_->x_m, pose.y_m - odometry_->y_m) > kJump_m) {
+  if (odometry_ && std::hypot(pose.x_m - odometry_->x_m, pose.y_m - odometry_->y_m) > kJumpMetres) {
     origin_.reset();
     is_scene_due_ = true;
     way_ = {};
@@ -327,7 +327,7 @@ void FoxgloveConversation::publish_state(const FeedMessage& message, std::int64_
     hal::append_frame_transform(payload, unix_ns, odometry);
     publish(ChannelId::transform, unix_ns, payload);
   }
-  if (is_wanted(ChannelId::path) && unix_ns - path_sent_ns_ >= kPathEvery_ns) {
+  if (is_wanted(ChannelId::path) && unix_ns - path_sent_ns_ >= kPathEveryNs) {
     path_sent_ns_ = unix_ns;
     payload.clear();
     hal::append_poses_in_frame(payload, unix_ns, way_.poses());

@@ -100,7 +100,7 @@ Json solid() {
 
 std::string feed_schema(std::string_view type) {
   Json properties{{"type", {{"type", "string"}}}, {"seq", {{"type", "integer"}}}};
-  const auto found = std::ranges::find(kFeedTypes, type, &FeedType::name);
+  const auto* const found = std::ranges::find(kFeedTypes, type, &FeedType::name);
   if (found != kFeedTypes.end()) {
     for (const Members& members : found->members) add_members(properties, members);
   }

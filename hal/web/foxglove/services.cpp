@@ -29,9 +29,7 @@ Json definition(std::string_view name, const Json& schema) {
           {"schema", schema.dump()}};
 }
 
-}  // namespace
-
-std::string services_advertisement() {
+std::string made_advertisement_of_services() {
   const Json nothing{{"type", "object"}, {"properties", Json::object()}};
   const Json answer{
       {"type", "object"},
@@ -45,6 +43,13 @@ std::string services_advertisement() {
                         {"response", definition("cargobay.Answer", answer)}});
   }
   return Json{{"op", "advertiseServices"}, {"services", services}}.dump();
+}
+
+}  // namespace
+
+const std::string& services_advertisement() {
+  static const std::string made = made_advertisement_of_services();
+  return made;
 }
 
 std::optional<std::string_view> service_request(std::uint64_t service) {

@@ -8,8 +8,8 @@
 
 namespace cargobay::web {
 
-// `advertiseServices`: JSON.
-std::string services_advertisement();
+// `advertiseServices`: JSON. Made once.
+const std::string& services_advertisement();
 
 // What the feed is asked for by a service, its `do`.
 std::optional<std::string_view> service_request(std::uint64_t service);

@@ -30,10 +30,7 @@ std::string token_argument(lws* wsi) {
 // Writes headers into a buffer that is large enough for all of ours.
 class HeaderWriter {
  public:
-  explicit HeaderWriter(lws* wsi) : wsi_{wsi}, bytes_(LWS_PRE + kRoom) {
-    at_ = bytes_.data() + LWS_PRE;
-    end_ = bytes_.data() + bytes_.size();
-  }
+  explicit HeaderWriter(lws* wsi) : wsi_{wsi} {}
   void status(unsigned code) {
     ok_ = ok_ && lws_add_http_header_status(wsi_, code, &at_, end_) == 0;
   }
@@ -60,9 +57,9 @@ class HeaderWriter {
   static constexpr std::size_t kRoom = 4096;
 
   lws* wsi_;
-  std::vector<unsigned char> bytes_;
-  unsigned char* at_ = nullptr;
-  unsigned char* end_ = nullptr;
+  std::vector<unsigned char> bytes_ = std::vector<unsigned char>(LWS_PRE + kRoom);
+  unsigned char* at_ = bytes_.data() + LWS_PRE;
+  unsigned char* end_ = bytes_.data() + bytes_.size();
   bool ok_ = true;
 };
 

@@ -21,8 +21,8 @@ namespace cargobay::web {
 namespace {
 
 constexpr unsigned kMostDescriptors = 256;  // two for each WebSocket, and room for handshakes
-constexpr lws_usec_t kRetry_us = 500 * LWS_US_PER_MS;
-constexpr lws_usec_t kGoodbye_us = 500 * LWS_US_PER_MS;
+constexpr lws_usec_t kRetryMicroseconds = 500 * LWS_US_PER_MS;
+constexpr lws_usec_t kGoodbyeMicroseconds = 500 * LWS_US_PER_MS;
 constexpr const char* kStopProtocol = "stop";
 
 // With each reply. Nothing comes from elsewhere, and no other page may show this one.
@@ -83,7 +83,7 @@ struct Server::Parts {
   hal::Result<void> watch(int stop);
   lws_context_creation_info creation_info();
   void retry_later() {
-    if (!is_stopping) lws_sul_schedule(context, 0, &retry.sul, attach_again, kRetry_us);
+    if (!is_stopping) lws_sul_schedule(context, 0, &retry.sul, attach_again, kRetryMicroseconds);
   }
   static void attach_again(lws_sorted_usec_list_t* sul);
 
@@ -343,8 +343,9 @@ hal::Result<void> Server::run(int stop) {
   for (WebSocket* const socket : parts.sockets)
     socket->end({.code = CloseCode::going_away, .reason = "the server ends"});
   lws_sorted_usec_list_t wake{};
-  lws_sul_schedule(parts.context, 0, &wake, [](lws_sorted_usec_list_t* /*sul*/) {}, kGoodbye_us);
-  const lws_usec_t deadline = lws_now_usecs() + kGoodbye_us;
+  lws_sul_schedule(
+      parts.context, 0, &wake, [](lws_sorted_usec_list_t* /*sul*/) {}, kGoodbyeMicroseconds);
+  const lws_usec_t deadline = lws_now_usecs() + kGoodbyeMicroseconds;
   while (!parts.sockets.empty() && lws_now_usecs() < deadline &&
          lws_service(parts.context, 0) >= 0) {
   }
