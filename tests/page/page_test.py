@@ -5,89 +5,20 @@ what happens, survives its server, stops when nobody looks, and can be used by e
 usage: tests/page/page_test.py BUILD [unittest's arguments]
 """
 
-import json
 import pathlib
 import re
-import shutil
-import subprocess
 import sys
 import unittest
 
 from selenium.webdriver.common.keys import Keys
 
-from browser import DESKTOP, PHONE, Browser
-from served import ROOT, Served, until
+import page_case
+from browser import DESKTOP, PHONE
+from page_case import NEAR_MM, PageTest
+from served import ROOT, until
 
-HERE = pathlib.Path(__file__).resolve().parent
-NEAR_MM = 50
 MOST_BYTES = 300_000
 MOST_FILES = 26
-
-
-class PageTest(unittest.TestCase):
-    """One server for all, one browser for each."""
-
-    slower = 1
-
-    @classmethod
-    def setUpClass(cls):
-        cls.served = Served(BUILD)
-        cls.addClassCleanup(cls.served.close)
-        cls.browsers = {}
-        cls.addClassCleanup(lambda: [each.close() for each in cls.browsers.values()])
-
-    def setUp(self):
-        self.feed = self.served.feed()
-        self.addCleanup(lambda: self.feed.close())
-        self.feed.ask({"do": "stop"})
-
-    def page(self, **options):
-        """In a browser that is kept for the next test."""
-        kind = json.dumps(options)
-        if kind not in self.browsers:
-            self.browsers[kind] = Browser(slower=self.slower, **options)
-        browser = self.browsers[kind]
-        browser.open(self.served.url)
-        self.addCleanup(browser.leave)
-        return browser
-
-    def page_of_its_own(self):
-        browser = Browser(slower=self.slower)
-        self.addCleanup(browser.close)
-        browser.open(self.served.url)
-        return browser
-
-    def control(self, line):
-        answer = self.feed.ask({"do": "control", "line": line})
-        self.assertTrue(answer["ok"], answer)
-
-    def moved(self, start, mm):
-        """Waits until the robot is so far from where it was."""
-
-        def far():
-            pose = self.feed.now("truth")["pose"]
-            return abs(pose["x_mm"] - start["x_mm"]) + abs(pose["y_mm"] - start["y_mm"]) > mm
-
-        until(far, f"a robot that drove {mm} mm")
-
-    def happened(self, what, since):
-        return what in [event["what"] for event in self.feed.events[since:]]
-
-    def assert_stops(self, why):
-        until(lambda: self.feed.now("state")["set_mm_s"] == {"left": 0, "right": 0},
-              f"speeds set to 0 after {why}")
-        self.feed.standing()
-
-    def assert_on_the_map(self, browser):
-        """Odometry and truth as drawn are where the robot is."""
-        pose = self.feed.standing()["pose"]
-
-        def there():
-            drawn = [*browser.both_poses()]
-            return all(each and abs(each[0] - pose["x_mm"]) <= NEAR_MM and
-                       abs(each[1] - pose["y_mm"]) <= NEAR_MM for each in drawn)
-
-        until(there, f"both within {NEAR_MM} mm of {pose}, not {browser.both_poses()}", 5)
 
 
 class Driving(PageTest):
@@ -290,16 +221,6 @@ class Showing(PageTest):
         self.assertEqual(kinds - self.NOT_HERE, {each["what"] for each in self.feed.events[seen:]})
         self.assertEqual(browser.complaints(), [])
 
-    def steer_from_here(self, left, right, enough=lambda: True):
-        """Without the page: what it would refuse, such as a setpoint that is not renewed."""
-        self.feed.ask({"do": "hold", "name": "test", "take": True})
-
-        def drive():
-            self.feed.ask({"do": "drive", "left_mm_s": left, "right_mm_s": right})
-            return enough()
-
-        until(drive, f"what {left}, {right} mm/s brings about")
-
     def test_what_the_robot_feels(self):
         browser = self.page()
         sensors = lambda: browser.text("sensors")
@@ -372,6 +293,21 @@ class Loading(PageTest):
             });""")
         self.assertEqual(lengths, [10, 990, 999, 10, 1980, 1998])
 
+    def test_what_was_missed_is_said(self):
+        browser = self.page()
+        browser.driver.execute_async_script("""
+            const done = arguments[0];
+            Promise.all([import("./feed_link.js"), import("./status.js")]).then(
+              ([{FeedLink}, {Status}]) => {
+                const link = new FeedLink(new URL("api/feed", location.href));
+                new Status(link);
+                link.open();
+                link.socket.onmessage({data: '{"type":"missed","messages":3}'});
+                link.socket.onmessage({data: '{"type":"missed","messages":4}'});
+                done();
+              });""")
+        self.assertIn("missed 7 messages", browser.text("gap"))
+
     def test_after_the_server_was_away(self):
         browser = self.page()
         browser.steer()
@@ -393,20 +329,6 @@ class Loading(PageTest):
 
 
 class Everybody(PageTest):
-    def axe(self):
-        folder = BUILD / "tests/page_npm"
-        script = folder / "node_modules/axe-core/axe.min.js"
-        if not script.exists():
-            folder.mkdir(parents=True, exist_ok=True)
-            for name in ("package.json", "package-lock.json"):
-                (folder / name).write_bytes((HERE / name).read_bytes())
-            npm = shutil.which("npm") or self.skipTest("npm is missing")
-            done = subprocess.run([npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
-                                  cwd=folder, capture_output=True, text=True, check=False)
-            if done.returncode != 0:
-                self.skipTest(f"npm ci: {done.stderr[-300:]}")
-        return script.read_text()
-
     def violations(self, browser):
         browser.run("document.querySelectorAll('details').forEach((each) => each.open = true)")
         browser.cdp("Runtime.evaluate", expression=self.axe())
@@ -465,5 +387,5 @@ class OnASlowComputer(Driving):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+    page_case.build = pathlib.Path(sys.argv.pop(1)).resolve()
     unittest.main(verbosity=2)
