@@ -8,6 +8,11 @@
 # Asks nothing. Uses sudo only if not root.
 set -euo pipefail
 
+# The -dev packages of two architectures exclude each other: to cross-compile, the library alone beside
+# the headers of this machine's.
+websockets=libwebsockets17
+[[ $(. /etc/os-release && echo "${VERSION_CODENAME:-}") == bookworm ]] || websockets=libwebsockets19t64
+
 run=(g++ cmake ninja-build pkg-config libc6-dev libeigen3-dev libserialport-dev libgpiod-dev
   libcli11-dev nlohmann-json3-dev libfmt-dev libtomlplusplus-dev libncurses-dev
   libwebsockets-dev libqrencode-dev libevdev-dev libjs-dygraphs)
@@ -15,6 +20,7 @@ quick=("${run[@]}" libgtest-dev libgmock-dev librsvg2-bin clang-format-22)
 test=("${quick[@]}" librapidcheck-dev libbenchmark-dev libboost-dev spin help2man abigail-tools universal-ctags
   clang-22 clang-tidy-22 libclang-rt-22-dev llvm-22 strace tmux
   crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64
+<<<<<<< ours
   libncurses-dev:arm64 libwebsockets-dev:arm64 libqrencode-dev:arm64 libevdev-dev:arm64 libgtest-dev:arm64
   libgmock-dev:arm64 g++-arm-linux-gnueabihf python3 qemu-system-arm device-tree-compiler cpio doxygen debootstrap
   cargo bindgen mypy python3-numpy libglib2.0-dev qt6-base-dev zsh fish nodejs openssl
@@ -28,6 +34,19 @@ package_arm64=("${package[@]}" crossbuild-essential-arm64
 package_armhf=("${package[@]}" crossbuild-essential-armhf
   libserialport-dev:armhf libgpiod-dev:armhf libfmt-dev:armhf libncurses-dev:armhf
   libwebsockets-dev:armhf libqrencode-dev:armhf libevdev-dev:armhf)
+=======
+  libncurses-dev:arm64 "$websockets:arm64" libssl-dev:arm64 libqrencode-dev:arm64
+  libgtest-dev:arm64 libgmock-dev:arm64 g++-arm-linux-gnueabihf python3
+  qemu-system-arm device-tree-compiler cpio doxygen debootstrap cargo bindgen mypy libglib2.0-dev qt6-base-dev
+  zsh fish nodejs openssl)
+package=("${run[@]}" dpkg-dev file)
+package_arm64=("${package[@]}" crossbuild-essential-arm64
+  libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64 libncurses-dev:arm64
+  "$websockets:arm64" libssl-dev:arm64 libqrencode-dev:arm64)
+package_armhf=("${package[@]}" crossbuild-essential-armhf
+  libserialport-dev:armhf libgpiod-dev:armhf libfmt-dev:armhf libncurses-dev:armhf
+  "$websockets:armhf" libssl-dev:armhf libqrencode-dev:armhf)
+>>>>>>> theirs
 
 case ${1:-} in
   run) wanted=("${run[@]}") ;;
