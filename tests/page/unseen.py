@@ -29,8 +29,8 @@ def processes(driver):
     return [int(each) for each in found]
 
 
-def send(driver, what):
-    for process in processes(driver):
+def send(victims, what):
+    for process in victims:
         try:
             os.kill(process, what)
         except ProcessLookupError:
@@ -51,10 +51,10 @@ def noted(browser, served, page):
 
 # What happens to the page.
 HAPPENINGS = {
-    "hidden": lambda driver: driver.switch_to.new_window("tab"),
-    "closed": lambda driver: driver.close(),
-    "killed": lambda driver: send(driver, signal.SIGKILL),
-    "asleep": lambda driver: send(driver, signal.SIGSTOP),
+    "hidden": lambda driver, _: driver.switch_to.new_window("tab"),
+    "closed": lambda driver, _: driver.close(),
+    "killed": lambda _, victims: send(victims, signal.SIGKILL),
+    "asleep": lambda _, victims: send(victims, signal.SIGSTOP),
 }
 
 
@@ -73,18 +73,19 @@ def once(served, happening):
         browser.steer()
         browser.key("a", down=True)
         until(lambda: feed.now("state")["set_mm_s"]["right"] > 50, "a robot that turns")
+        victims = processes(browser.driver)
         feed.now("state")
         began = time.time()
-        HAPPENINGS[happening](browser.driver)
+        HAPPENINGS[happening](browser.driver, victims)
         # The driver's answer may come late; the states have waited in the socket.
-        feed.read_until(lambda: feed.newest["state"]["unix_time_s"] > began and
-                        feed.newest["state"]["set_mm_s"] == {"left": 0, "right": 0})
+        feed.read_until(lambda: feed.newest["state"]["set_mm_s"] == {"left": 0, "right": 0})
         if happening in ("hidden", "closed"):
             began = noted(browser, served, page)
         return feed.newest["state"]["unix_time_s"] - began
     finally:
-        send(browser.driver, signal.SIGCONT)
-        send(browser.driver, signal.SIGKILL)
+        victims = processes(browser.driver)
+        send(victims, signal.SIGCONT)
+        send(victims, signal.SIGKILL)
         browser.driver.service.process.kill()
         feed.close()
 
