@@ -20,33 +20,19 @@ quick=("${run[@]}" libgtest-dev libgmock-dev librsvg2-bin clang-format-22)
 test=("${quick[@]}" librapidcheck-dev libbenchmark-dev libboost-dev spin help2man abigail-tools universal-ctags
   clang-22 clang-tidy-22 libclang-rt-22-dev llvm-22 strace tmux
   crossbuild-essential-arm64 libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64
-<<<<<<< ours
-  libncurses-dev:arm64 libwebsockets-dev:arm64 libqrencode-dev:arm64 libevdev-dev:arm64 libgtest-dev:arm64
-  libgmock-dev:arm64 g++-arm-linux-gnueabihf python3 qemu-system-arm device-tree-compiler cpio doxygen debootstrap
-  cargo bindgen mypy python3-numpy libglib2.0-dev qt6-base-dev zsh fish nodejs openssl
+  libncurses-dev:arm64 "$websockets:arm64" libssl-dev:arm64 libqrencode-dev:arm64 libevdev-dev:arm64
+  libgtest-dev:arm64 libgmock-dev:arm64 g++-arm-linux-gnueabihf python3 qemu-system-arm device-tree-compiler cpio
+  doxygen debootstrap cargo bindgen mypy python3-numpy libglib2.0-dev qt6-base-dev zsh fish nodejs openssl
   chromium chromium-driver python3-selenium)
 # Independent checkers for tests come from npm, which some packages of nodejs bring along.
 command -v npm > /dev/null || test+=(npm)
 package=("${run[@]}" dpkg-dev file)
 package_arm64=("${package[@]}" crossbuild-essential-arm64
   libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64 libncurses-dev:arm64
-  libwebsockets-dev:arm64 libqrencode-dev:arm64 libevdev-dev:arm64)
+  "$websockets:arm64" libssl-dev:arm64 libqrencode-dev:arm64 libevdev-dev:arm64)
 package_armhf=("${package[@]}" crossbuild-essential-armhf
   libserialport-dev:armhf libgpiod-dev:armhf libfmt-dev:armhf libncurses-dev:armhf
-  libwebsockets-dev:armhf libqrencode-dev:armhf libevdev-dev:armhf)
-=======
-  libncurses-dev:arm64 "$websockets:arm64" libssl-dev:arm64 libqrencode-dev:arm64
-  libgtest-dev:arm64 libgmock-dev:arm64 g++-arm-linux-gnueabihf python3
-  qemu-system-arm device-tree-compiler cpio doxygen debootstrap cargo bindgen mypy libglib2.0-dev qt6-base-dev
-  zsh fish nodejs openssl)
-package=("${run[@]}" dpkg-dev file)
-package_arm64=("${package[@]}" crossbuild-essential-arm64
-  libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64 libncurses-dev:arm64
-  "$websockets:arm64" libssl-dev:arm64 libqrencode-dev:arm64)
-package_armhf=("${package[@]}" crossbuild-essential-armhf
-  libserialport-dev:armhf libgpiod-dev:armhf libfmt-dev:armhf libncurses-dev:armhf
-  "$websockets:armhf" libssl-dev:armhf libqrencode-dev:armhf)
->>>>>>> theirs
+  "$websockets:armhf" libssl-dev:armhf libqrencode-dev:armhf libevdev-dev:armhf)
 
 case ${1:-} in
   run) wanted=("${run[@]}") ;;

@@ -95,7 +95,7 @@ int serve(const ServeOptions& options) {
   if (!config) return fail(config.failure());
   hal::RobotOptions robot = robot_options(options.drive, *config);
   const auto chosen = choose_robot(*config, options.drive.pins, parameters(options.drive.sim),
-                                hal::below_loop(robot.realtime.priority));
+                                   hal::below_loop(robot.realtime.priority));
   if (!chosen) return fail(chosen.failure());
   std::optional<hal::sim::World> world;
   if (const auto put = put_into_world(options, chosen->server(), world); !put)
@@ -119,7 +119,8 @@ int serve(const ServeOptions& options) {
   Announcement announcement{options, **service};
   if (const auto begun = announcement.begin_web(); !begun) return fail(begun.failure());
   const auto served = (*service)->run([&] { announcement.ready(); });
-  if (signal) return served ? kSignalled + *signal : fail(served.failure());
+  const bool ended_so = served || served.failure().code == std::errc::operation_canceled;
+  if (signal && ended_so) return kSignalled + *signal;
   return served ? kSuccess : fail(served.failure());
 }
 

@@ -62,13 +62,14 @@ Result<std::unique_ptr<Service>> Service::open(const ServiceOptions& options) {
                                  .is_virtual = chosen.create != nullptr,
                                  .baud = options.baud,
                                  .wheel_base_mm = options.robot.cycle.loop.estimator.wheel_base_mm,
-                                 .setpoint_lapse = options.robot.cycle.setpoint_lapse},
+                                 .setpoint_lapse = kSetpointLapse},
                           .steering = service->steering(),
                           .create = chosen.server(),
                           .world = options.world});
   if (!feed) return feed.failure();
   service->feed_ = std::move(*feed);
   service->feed_->attach_to(service->options_.robot);
+  service->options_.robot.cycle.setpoint_lapse = kSetpointLapse;
   // What its clients are shown first is why the robot stands, and they can put it right.
   service->options_.robot.cycle.on_mode_loss = OnModeLoss::hold;
   return service;
@@ -99,7 +100,7 @@ Result<void> Service::run(const std::function<void()>& ready) {
     tell(explain(*farewell));
     if (auto learnt = (*robot)->learnt()) options_.robot.cycle.loop.estimator.prior = learnt;
     *robot = nullptr;  // gives its port back
-    robot = wait_for_robot(*farewell);
+    robot = bring_up_again(*farewell);
   }
   feed_->report("ended", robot.failure().message);
   return robot.failure();
@@ -113,9 +114,22 @@ Result<Robot::Owned> Service::bring_up() {
   return Robot::open(std::move(port->stream), options_.robot);
 }
 
+namespace {
+
+// Wall, cliff signals and outputs too: what a page shows.
+void stream_all(Robot& robot) {
+  Request request;
+  request.kind = Request::Kind::stream;
+  request.extras = kAllExtraLists;
+  (void)robot.cycle().request(request);  // there is room: nobody has asked for anything yet
+}
+
+}  // namespace
+
 Result<Robot::Farewell> Service::drive(Robot& robot, const std::function<void()>& ready) {
   const auto grant = robot.start({});
   if (!grant) return grant.failure();
+  stream_all(robot);  // before others may ask
   become(&robot);
   feed_->follow(robot);
   feed_->report("driving", "the loop runs, and the robot is steered by who holds the lease");
@@ -128,16 +142,32 @@ Result<Robot::Farewell> Service::drive(Robot& robot, const std::function<void()>
   return farewell;
 }
 
-Result<Robot::Owned> Service::wait_for_robot(const Robot::Farewell& farewell) {
-  if (!may_reconnect(farewell.end) || !identity_) return Failure{.message = explain(farewell)};
-  auto back = reconnect({.port = *identity_,
-                         .baud = options_.baud,
-                         .robot = options_.robot,
-                         .patience = options_.patience,
-                         .tell = options_.tell});
-  if (!back) return back.failure();
-  if (!back->remark.empty()) tell(back->remark);
-  return std::move(back->robot);
+// Whatever ended the loop, the wheels stand and the lease's holder has been told: a client that
+// steers again sees what it does.
+Result<Robot::Owned> Service::bring_up_again(const Robot::Farewell& farewell) {
+  if (options_.patience == rt::Duration::zero()) return Failure{.message = explain(farewell)};
+  if (may_reconnect(farewell.end) && identity_) {
+    auto back = reconnect({.port = *identity_,
+                           .baud = options_.baud,
+                           .robot = options_.robot,
+                           .patience = options_.patience,
+                           .tell = options_.tell});
+    if (!back) return back.failure();
+    if (!back->remark.empty()) tell(back->remark);
+    return std::move(back->robot);
+  }
+  // A pseudo-terminal's number that is gone may come back as something else.
+  const bool is_gone = farewell.end == CycleEnd::hung_up && !options_.chosen->create;
+  if (is_gone) return Failure{.message = explain(farewell)};
+  const rt::TimePoint until = rt::Clock::now() + options_.patience;
+  for (BackOff back_off;;) {
+    const rt::TimePoint next = rt::Clock::now() + back_off.next();
+    while (rt::Clock::now() < next && !options_.robot.cancelled())
+      std::this_thread::sleep_for(kLookAt);
+    auto robot = bring_up();
+    if (robot || options_.robot.cancelled() || rt::Clock::now() >= until) return robot;
+    feed_->report("lost", robot.failure().message);
+  }
 }
 
 void Service::become(Robot* robot) {

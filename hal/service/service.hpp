@@ -24,7 +24,7 @@ struct ServiceOptions {
   std::uint32_t baud = 0;
   RobotOptions robot{};               // its `cancelled` ends everything
   const sim::World* world = nullptr;  // of its virtual Create, if it lives in one
-  // How long a port that is lost is waited for; 0: not at all.
+  // How long a robot whose loop has ended by itself is waited for; 0: not at all.
   rt::Duration patience{};
   // Called with one line each: what happens to the link. On run()'s thread.
   std::function<void(const std::string&)> tell{};
@@ -32,6 +32,10 @@ struct ServiceOptions {
 
 class Service {
  public:
+  // Shorter than elsewhere: clients may be phones that fall asleep, and then there is the way that
+  // the wheels need to stop.
+  static constexpr rt::Duration kSetpointLapse = std::chrono::milliseconds{350};
+
   // Publishes the feed; the robot is not touched yet. What `options` refers to outlives the
   // service. Blocks for the file system; allocates.
   static Result<std::unique_ptr<Service>> open(const ServiceOptions& options);
@@ -40,7 +44,8 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  // Brings the robot up, drives it as its clients say, and goes on when its port comes back; until
+  // Brings the robot up, drives it as its clients say, and brings it up again when its loop has
+  // ended by itself: the port was gone, the robot fell silent, a wheel was stuck. Until
   // `cancelled`, which it looks at every 50 ms. Blocks. When it returns the robot stands, or the
   // failure says that it may not. `ready` is called each time the loop runs; may be empty.
   Result<void> run(const std::function<void()>& ready);
@@ -55,7 +60,7 @@ class Service {
   Result<Robot::Owned> bring_up();
   // Until the loop ends, or it is cancelled.
   Result<Robot::Farewell> drive(Robot& robot, const std::function<void()>& ready);
-  Result<Robot::Owned> wait_for_robot(const Robot::Farewell& farewell);
+  Result<Robot::Owned> bring_up_again(const Robot::Farewell& farewell);
   void become(Robot* robot);
   Result<void> steer(const rt::WheelSpeeds& speeds);
   Result<void> send(std::string_view command);

@@ -6,13 +6,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
@@ -52,12 +53,12 @@ std::string first_line(int descriptor) {
   return line.substr(0, line.find('\n'));
 }
 
-// HOST:PORT of the URL in "serving URL".
-std::optional<std::string> address_in(const std::string& line) {
-  const std::size_t scheme = line.find("://");
-  if (scheme == std::string::npos) return std::nullopt;
-  const std::size_t begin = scheme + 3;
-  return line.substr(begin, line.find('/', begin) - begin);
+// What is between the two in the line, or follows `begin`; empty if `begin` is not there.
+std::string between(const std::string& line, std::string_view begin, char end) {
+  const std::size_t at = line.find(begin);
+  if (at == std::string::npos) return {};
+  const std::string rest = line.substr(at + begin.size());
+  return rest.substr(0, rest.find(end));
 }
 
 std::string in_words(int status) {
@@ -114,16 +115,26 @@ hal::Result<std::unique_ptr<WebSide>> WebSide::start(const WebOptions& options,
                             "the web side does not start; its message is above. Without it: "
                             "--no-http"};
   }
-  // Its next life is to be found where this one is.
-  if (const auto address = address_in(side->ready_line_)) {
-    std::erase(side->arguments_, "--http");
-    std::erase(side->arguments_, options.http);
-    add("--http", *address);
-  }
+  side->keep_address();
   if (const auto error = hal::start_masked(side->watcher_, [it = side.get()] { it->watch(); })) {
     return hal::Failure{.message = "no thread for the web side: " + error.message(), .code = error};
   }
   return side;
+}
+
+// Its next life is to be found where this one is, and by who has been let in.
+void WebSide::keep_address() {
+  const std::string host = between(ready_line_, "://", '/');
+  const std::string port = host.substr(host.rfind(':') + 1);
+  const auto http = std::ranges::find(arguments_, "--http");
+  if (http == arguments_.end()) {
+    arguments_.insert(arguments_.end(), {"--http", port});
+  } else {
+    std::string& address = *(http + 1);
+    const std::size_t colon = address.rfind(':');
+    address = colon == std::string::npos ? port : address.substr(0, colon + 1) + port;
+  }
+  if (token_.empty()) token_ = between(ready_line_, "#token=", ' ');
 }
 
 hal::Result<void> WebSide::spawn() {

@@ -45,6 +45,7 @@ class WebSide {
  private:
   WebSide() = default;
   hal::Result<void> spawn();
+  void keep_address();
   void watch();
 
   std::vector<std::string> arguments_{};
