@@ -15,7 +15,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -102,7 +101,7 @@ int follow(OpenDevice& open) {
     std::array<pollfd, 2> waited{{{.fd = open.descriptor.number(), .events = POLLIN, .revents = 0},
                                   {.fd = STDOUT_FILENO, .events = 0, .revents = 0}}};
     if (poll(waited.data(), waited.size(), kRepeatMs) < 0 && errno != EINTR)
-      return fail(std::string{"poll: "} + std::strerror(errno));
+      return fail("poll: " + std::generic_category().message(errno));
     if ((waited[1].revents & (POLLERR | POLLHUP)) != 0) return 0;
     if (!take_events(open.device.get())) return fail("the gamepad is gone");
   }
@@ -111,7 +110,8 @@ int follow(OpenDevice& open) {
 int run(const std::string& wanted) {
   if (!wanted.empty()) {
     OpenDevice open = open_device(wanted);
-    if (!open.device) return fail("cannot read " + wanted + ": " + std::strerror(errno));
+    if (!open.device)
+      return fail("cannot read " + wanted + ": " + std::generic_category().message(errno));
     if (!gamepad::Gamepad::is_one(open.device.get()))
       return fail(wanted + " has no stick with shoulder buttons");
     return follow(open);

@@ -40,6 +40,7 @@ hal::Failure cannot_start(int error) {
 // Not ours: signals that end this command are blocked here, and are to end the child too.
 int spawn(pid_t& process, const std::vector<std::string>& words, int output) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions{};

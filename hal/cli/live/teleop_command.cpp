@@ -31,8 +31,9 @@ namespace cargobay::cli {
 namespace {
 
 constexpr rt::Duration kTeleopRefresh = std::chrono::milliseconds{100};
-constexpr double kLeastSpeed_mm_s = 20.0;
-constexpr double kSpeedStep_mm_s = 20.0;
+// In mm/s.
+constexpr double kLeastSpeed = 20.0;
+constexpr double kSpeedStep = 20.0;
 constexpr const char* kTeleopMessages = R"({"do":"subscribe","types":["state","truth"],"every":6})";
 
 struct TeleopOptions {
@@ -72,8 +73,7 @@ class Teleop {
 
  private:
   hal::Result<void> turn() {
-    const auto heard =
-        take_news(reader_, news_, [this](hal::FeedType type) { steering_.hear(type); });
+    auto heard = take_news(reader_, news_, [this](hal::FeedType type) { steering_.hear(type); });
     if (!heard) return heard;
     const rt::TimePoint now = rt::Clock::now();
     hal::Result<void> done;
@@ -117,8 +117,8 @@ class Teleop {
     keys_.press(key, now);
     switch (key) {
       case SteeringKey::quit: over_ = true; break;
-      case SteeringKey::faster: change_speed(kSpeedStep_mm_s); break;
-      case SteeringKey::slower: change_speed(-kSpeedStep_mm_s); break;
+      case SteeringKey::faster: change_speed(kSpeedStep); break;
+      case SteeringKey::slower: change_speed(-kSpeedStep); break;
       case SteeringKey::take: return steering_.ask_again(true);
       case SteeringKey::rearm: return steering_.rearm();
       // Whoever steers: a stop is everyone's. Our own lease stays: the setpoint is 0 from here on.
@@ -134,7 +134,7 @@ class Teleop {
 
   void change_speed(double by_mm_s) {
     constexpr double kMost = oi::kMaxWheelSpeed;
-    speed_mm_s_ = std::clamp(speed_mm_s_ + by_mm_s, kLeastSpeed_mm_s, kMost);
+    speed_mm_s_ = std::clamp(speed_mm_s_ + by_mm_s, kLeastSpeed, kMost);
   }
 
   void draw(rt::TimePoint now) {
@@ -208,7 +208,7 @@ void add_teleop(CLI::App& app, Action& chosen) {
   command->add_flag("--take", options->take, "Take over from whoever steers it now");
   command
       ->add_option("--speed", options->speed_mm_s, "Wheel speed in mm/s to begin with, 20 to 500")
-      ->check(CLI::Range(kLeastSpeed_mm_s, static_cast<double>(oi::kMaxWheelSpeed)))
+      ->check(CLI::Range(kLeastSpeed, static_cast<double>(oi::kMaxWheelSpeed)))
       ->capture_default_str();
   command
       ->add_option("--gamepad", options->gamepad,

@@ -148,7 +148,7 @@ std::string sparkline(const FeedDurations& durations, int columns) {
 
 std::string steering_text(const FeedNews& news) {
   const std::string by_lease = news.holder.empty() ? "nobody" : news.holder;
-  const std::string who = news.hello.steerable ? by_lease : news.hello.program;
+  std::string who = news.hello.steerable ? by_lease : news.hello.program;
   if (news.stage.empty() || news.stage == "driving") return who;
   return fmt::format("{}; {}: {}", who, news.stage, news.text);
 }
@@ -176,6 +176,7 @@ std::vector<ScreenLine> news_lines(const FeedNews& news, const std::vector<std::
   const auto most = static_cast<std::size_t>(std::max(room, 0));
   if (all.size() > most) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most));
   std::vector<ScreenLine> lines;
+  lines.reserve(all.size());
   for (std::string& line : all) lines.push_back({{std::move(line)}});
   return lines;
 }

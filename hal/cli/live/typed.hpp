@@ -24,8 +24,7 @@ std::string typed();
 void wait_for_input(const hal::FeedReader& reader, int other, rt::TimePoint until);
 
 // Takes what the feed has said so far, and calls `see`, unless it is empty, with the type of each
-// message. Fails when the feed, or what it tells of, has
-// ended.
+// message. Fails when the feed has ended, or says that the robot's program has.
 hal::Result<void> take_news(hal::FeedReader& reader, FeedNews& news,
                             const std::function<void(hal::FeedType)>& see);
 
