@@ -42,8 +42,8 @@ struct RobotOptions {
   RobotPins pins{};
   std::function<void(const BringUpEvent&)> progress{};
   std::function<bool()> cancelled{};
-  // Called on the control thread, in their order, after the robot's own observer; events of the port
-  // come from another thread. `request` is not called.
+  // Called on the control thread, in their order, after the robot's own; events of the port come
+  // from another thread. `request` is not called.
   std::vector<StateObserver> observers{};
   // What the observers and the control function touch; locked with the loop's own.
   std::vector<rt::Memory> memory{};

@@ -12,8 +12,8 @@
 namespace cargobay::hal {
 
 // Whether the bytes, one whole command with values in range, may go out beside the loop's. A
-// failure, with invalid_argument, if the loop sends such commands itself, or it would take the robot
-// out of the loop's hands. Allocates only for a failure.
+// failure, with invalid_argument, if the loop sends such commands itself, or it would take the
+// robot out of the loop's hands. Allocates only for a failure.
 Result<void> leaves_loop_alone(std::span<const std::uint8_t> command);
 
 // The request to send it after the loop's own: one whole command that leaves the loop alone. A

@@ -1,5 +1,5 @@
-// A robot with several clients: owns its bring-up, loop, guard and reconnection, publishes its feed,
-// and is steered by whoever holds the feed's lease (docs/feed.md).
+// A robot with several clients: owns its bring-up, loop, guard and reconnection, publishes its
+// feed, and is steered by whoever holds the feed's lease (docs/feed.md).
 #pragma once
 
 #include <functional>

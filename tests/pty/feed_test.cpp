@@ -74,9 +74,7 @@ class Watcher {
 
 class FeedTest : public DriveTest {
  protected:
-  std::vector<std::string> serve_command() const {
-    return {"serve", "--port", port_, "--no-http"};
-  }
+  std::vector<std::string> serve_command() const { return {"serve", "--port", port_, "--no-http"}; }
   // Once it is served.
   static void wait_until_served(Command& command) {
     ASSERT_TRUE(eventually([&] {
@@ -202,9 +200,8 @@ TEST_F(FeedTest, SaysWhatTheRobotWillNotDo) {
   EXPECT_EQ(watcher.ask({{"do", "send"}, {"command", "leds play 0 255"}})["ok"], true);
   EXPECT_TRUE(eventually([&] {
     bool lit = false;
-    server_->with_device([&](hal::sim::Device& device) {
-      lit = device.actuators().lit(oi::Led::play);
-    });
+    server_->with_device(
+        [&](hal::sim::Device& device) { lit = device.actuators().lit(oi::Led::play); });
     return lit;
   }));
   EXPECT_EQ(watcher.ask({{"do", "drive"}, {"velocity_mm_s", 9000}, {"turn_rate_rad_s", 0}})["ok"],

@@ -20,8 +20,8 @@ namespace cargobay::test {
 namespace {
 
 using hal::link_target;
-using hal::sim::PtyPort;
 using hal::remove_if;
+using hal::sim::PtyPort;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 

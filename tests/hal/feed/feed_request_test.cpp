@@ -27,8 +27,8 @@ Kind wanted(std::string_view line) {
 }
 
 TEST(FeedRequest, DrivesByWheelsOrByTwist) {
-  const auto wheels = wanted<feed_request::DriveWheels>(
-      R"({"do":"drive","left_mm_s":100,"right_mm_s":-200.5})");
+  const auto wheels =
+      wanted<feed_request::DriveWheels>(R"({"do":"drive","left_mm_s":100,"right_mm_s":-200.5})");
   EXPECT_EQ(wheels.speeds, (rt::WheelSpeeds{100, -200.5}));
   const auto twist = wanted<feed_request::DriveTwist>(
       R"({"do":"drive","velocity_mm_s":150,"turn_rate_rad_s":0.5})");
@@ -54,8 +54,8 @@ TEST(FeedRequest, KnowsTheRest) {
 }
 
 TEST(FeedRequest, SubscribesToTypesAndToOneInSoMany) {
-  const auto wish = wanted<feed_request::Subscribe>(
-      R"({"do":"subscribe","types":["state","truth"],"every":5})");
+  const auto wish =
+      wanted<feed_request::Subscribe>(R"({"do":"subscribe","types":["state","truth"],"every":5})");
   EXPECT_EQ(wish.choice.every, 5U);
   const auto has = [&](FeedType type) {
     return wish.choice.types.test(static_cast<std::size_t>(type));
@@ -88,23 +88,24 @@ TEST_P(WrongFeedRequest, IsRefusedWithWhatWouldBeRight) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, WrongFeedRequest,
-    testing::Values(
-        Wrong{"", "not a JSON object"}, Wrong{"drive 100 100", "not a JSON object"},
-        Wrong{"[1,2]", "not a JSON object"}, Wrong{R"({"do":"drive")", "not a JSON object"},
-        Wrong{"{\"do\":\"stop\xff\"}", "not a JSON object"}, Wrong{"{}", "`do` must be a text"},
-        Wrong{R"({"do":7})", "`do` must be a text"},
-        Wrong{R"({"do":"fly"})", "there are subscribe, hold"},
-        Wrong{R"({"id":{},"do":"stop"})", "`id` must be"},
-        Wrong{R"({"do":"drive"})", "`velocity_mm_s` must be a number"},
-        Wrong{R"({"do":"drive","left_mm_s":100})", "`right_mm_s` must be a number"},
-        Wrong{R"({"do":"drive","left_mm_s":"100","right_mm_s":1})", "`left_mm_s` must be a number"},
-        Wrong{R"({"do":"drive","left_mm_s":1e999,"right_mm_s":1})", ""},
-        Wrong{R"({"do":"hold","name":""})", "`name` must be a text of 1 to 64 bytes"},
-        Wrong{R"({"do":"hold","name":"x","take":1})", "`take` must be true or false"},
-        Wrong{R"({"do":"subscribe","types":["stat"]})", "`types` must be a list"},
-        Wrong{R"({"do":"subscribe","types":"state"})", "`types` must be a list"},
-        Wrong{R"({"do":"subscribe","every":0})", "`every` must be a number from 1"},
-        Wrong{R"({"do":"control"})", "`line` must be a text"}));
+    testing::Values(Wrong{"", "not a JSON object"}, Wrong{"drive 100 100", "not a JSON object"},
+                    Wrong{"[1,2]", "not a JSON object"},
+                    Wrong{R"({"do":"drive")", "not a JSON object"},
+                    Wrong{"{\"do\":\"stop\xff\"}", "not a JSON object"},
+                    Wrong{"{}", "`do` must be a text"}, Wrong{R"({"do":7})", "`do` must be a text"},
+                    Wrong{R"({"do":"fly"})", "there are subscribe, hold"},
+                    Wrong{R"({"id":{},"do":"stop"})", "`id` must be"},
+                    Wrong{R"({"do":"drive"})", "`velocity_mm_s` must be a number"},
+                    Wrong{R"({"do":"drive","left_mm_s":100})", "`right_mm_s` must be a number"},
+                    Wrong{R"({"do":"drive","left_mm_s":"100","right_mm_s":1})",
+                          "`left_mm_s` must be a number"},
+                    Wrong{R"({"do":"drive","left_mm_s":1e999,"right_mm_s":1})", ""},
+                    Wrong{R"({"do":"hold","name":""})", "`name` must be a text of 1 to 64 bytes"},
+                    Wrong{R"({"do":"hold","name":"x","take":1})", "`take` must be true or false"},
+                    Wrong{R"({"do":"subscribe","types":["stat"]})", "`types` must be a list"},
+                    Wrong{R"({"do":"subscribe","types":"state"})", "`types` must be a list"},
+                    Wrong{R"({"do":"subscribe","every":0})", "`every` must be a number from 1"},
+                    Wrong{R"({"do":"control"})", "`line` must be a text"}));
 
 }  // namespace
 }  // namespace cargobay::hal
