@@ -331,13 +331,13 @@ int drive(const DriveOptions& options) {
     if (!early_signal) early_signal = signals.wait(rt::Duration::zero());
     return early_signal.has_value();
   };
+  auto stream = open_for_use(chosen->port, *config->baud);
+  if (!stream) return fail(stream.failure());
   const Published published =
       options.no_feed ? Published{} : Published{"cargobay drive", *chosen, *config->baud, wanted};
   published.attach_to(wanted);
   const auto again = reconnect_request(options, *chosen, *config->baud, wanted);
   if (!again) return fail(again.failure());
-  auto stream = open_for_use(chosen->port, *config->baud);
-  if (!stream) return fail(stream.failure());
   if (server != nullptr && options.json_file != "-")
     fmt::print("Driving a virtual Create on {}\n", chosen->port);
   const std::vector<hal::Finding> findings = examine(chosen->port, wanted.realtime);

@@ -59,7 +59,7 @@ Result<Request> side_request(const ControlCycle& cycle, std::span<const std::uin
     return refusal(std::errc::operation_not_permitted,
                    std::string{info.name} + " is not obeyed in " +
                        std::string{oi::name(state->mode)} + " mode (OI p. " +
-                       std::to_string(info.page) + "); the robot has left its own: rearm it");
+                       std::to_string(info.page) + "); the robot has left its own");
   }
   const bool pause = when_long == Request::WhenLong::pause;
   const bool stands =

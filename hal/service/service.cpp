@@ -222,6 +222,8 @@ Result<void> Service::send(std::string_view command) {
   if (robot_ == nullptr) return kNoRobot;
   for (const std::vector<std::uint8_t>& each : *commands) {
     const auto request = side_request(robot_->cycle(), each, Request::WhenLong::wait);
+    if (!request && request.failure().code == std::errc::operation_not_permitted)
+      return Failure{.message = request.failure().message + ": `rearm`"};
     if (!request) return request.failure();
     if (!robot_->cycle().request(*request))
       return Failure{.message = "too many requests wait for the loop; ask again"};

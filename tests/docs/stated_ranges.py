@@ -23,7 +23,8 @@ FAILS = {
     "calibrate": ["--json", NOWHERE],  # warns for 3 s before it opens a port
     "send": ["--port", NOWHERE, "start"], "bringup": ["--port", NOWHERE],
     "sensors": ["--port", NOWHERE], "doctor": ["--port", NOWHERE], "sim": ["--link", NOWHERE],
-    "replay": [NOWHERE], "decode": ["--binary", NOWHERE],
+    "serve": ["--port", NOWHERE, "--no-http"], "teleop": ["--port", NOWHERE],
+    "plot": ["--live", NOWHERE], "replay": [NOWHERE], "decode": ["--binary", NOWHERE],
 }
 
 

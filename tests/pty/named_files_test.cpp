@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Each, InputsTest, testing::ValuesIn(kInputs),
 // Every option that takes the name of a file is in one of the tables. Those in its help that name
 // an existing thing, or one made by something else, are listed here.
 TEST(NamedFiles, AreAllTested) {
-  const Words others{"--port", "--link", "--control"};
+  const Words others{"--port", "--link", "--control", "--live"};
   for (const char* command :
        {"drive", "replay", "plot", "calibrate", "bringup", "ports", "pins", "doctor", "jitter",
         "sim", "sensors", "budget", "send", "encode", "decode"}) {

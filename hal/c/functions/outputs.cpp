@@ -34,7 +34,7 @@ std::uint8_t byte_of(std::uint32_t value) { return static_cast<std::uint8_t>(val
 // The code of a refusal; what this API calls the remedy is added to it.
 int refused(const hal::Failure& failure) {
   if (failure.code == std::errc::operation_not_permitted)
-    return fail(CARGOBAY_E_MODE, failure.message + " with cargobay_rearm()");
+    return fail(CARGOBAY_E_MODE, failure.message + ": cargobay_rearm()");
   if (failure.code == std::errc::no_buffer_space)
     return fail(CARGOBAY_E_FULL, failure.message + ", or with CARGOBAY_HOW_PAUSE_DRIVING");
   return fail(CARGOBAY_E_ARGUMENT, failure.message);

@@ -118,9 +118,7 @@ void add_realtime_options(CLI::App& command, DriveOptions& options) {
   command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
 }
 
-}  // namespace
-
-void add_robot_options(CLI::App& command, DriveOptions& options) {
+void add_first_options(CLI::App& command, DriveOptions& options) {
   add_port_options(command, options.connection);
   add_learnt_options(command, options.learnt);
   command.add_flag("--virtual", options.builtin,
@@ -133,13 +131,23 @@ void add_robot_options(CLI::App& command, DriveOptions& options) {
       "Drive in Full mode: cliffs, wheel drops and the charger no longer stop the robot");
   command.add_flag("--drive-on", options.drive_on,
                    "If a wheel is stuck, or distance and angle cannot be true, only report it");
+}
+
+void add_last_options(CLI::App& command, DriveOptions& options) {
   add_realtime_options(command, options);
   add_pin_options(command, options.pins);
   add_sim_options(command, options.sim);
 }
 
+}  // namespace
+
+void add_robot_options(CLI::App& command, DriveOptions& options) {
+  add_first_options(command, options);
+  add_last_options(command, options);
+}
+
 void add_drive_options(CLI::App& command, DriveOptions& options) {
-  add_robot_options(command, options);
+  add_first_options(command, options);
   command
       .add_option("--profile", options.profile,
                   "straight, steps, square, spin, or a file of lines SECONDS LEFT_MM_S "
@@ -172,6 +180,7 @@ void add_drive_options(CLI::App& command, DriveOptions& options) {
   command.add_flag("--boost-kworkers", options.boost_kworkers,
                    "Give the kernel threads that hand over the port's bytes a real-time priority "
                    "too, just below the loop's, until the drive ends (needs CAP_SYS_NICE)");
+  add_last_options(command, options);
   command.footer(
       "Examples:\n"
       "  cargobay drive\n"
