@@ -119,7 +119,8 @@ TEST_F(FeedTest, ADriveIsWatchedAndNotSteered) {
   EXPECT_TRUE(drives_on());
   command.send(SIGINT);
   EXPECT_EQ(command.exit_code(), 128 + SIGINT);
-  EXPECT_EQ(watcher.next([](const json& message) { return message.value("stage", "") == "ended"; })["type"],
+  EXPECT_EQ(watcher.next(
+                [](const json& message) { return message.value("stage", "") == "ended"; })["type"],
             "status");
   EXPECT_FALSE(hal::FeedReader::attach(port_)) << "its socket is gone";
 }
@@ -140,7 +141,9 @@ TEST_F(FeedTest, OneSteersAtATime) {
   EXPECT_THAT(bob.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["error"],
               HasSubstr("hold"));
   EXPECT_EQ(ann.ask({{"do", "hold"}, {"name", "ann"}})["ok"], true);
-  EXPECT_EQ(bob.next([](const json& message) { return message["type"] == "holder" && message["name"] == "ann"; })["type"],
+  EXPECT_EQ(bob.next([](const json& message) {
+    return message["type"] == "holder" && message["name"] == "ann";
+  })["type"],
             "holder");
   EXPECT_THAT(bob.ask({{"do", "hold"}, {"name", "bob"}})["error"], HasSubstr("ann steers"));
   EXPECT_THAT(bob.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["error"],
@@ -224,7 +227,8 @@ TEST_F(FeedTest, GoesOnWithoutTheModeAndIsRearmed) {
   server_->with_device([](hal::sim::Device& device) { device.inputs().wheel_drop_left = false; });
   ASSERT_EQ(watcher.ask({{"do", "hold"}, {"name", "test"}})["ok"], true);
   EXPECT_EQ(watcher.ask({{"do", "rearm"}})["ok"], true);
-  EXPECT_EQ(watcher.next([](const json& message) { return message.value("what", "") == "rearmed"; })["type"],
+  EXPECT_EQ(watcher.next(
+                [](const json& message) { return message.value("what", "") == "rearmed"; })["type"],
             "event");
 }
 
