@@ -14,8 +14,8 @@
 #include <ctime>
 #include <span>
 
-#include "hal/machine/masked_thread.hpp"
 #include "hal/file/left_behind.hpp"
+#include "hal/machine/masked_thread.hpp"
 
 namespace cargobay::hal::sim {
 
@@ -61,9 +61,8 @@ Server::Server(const Parameters& parameters, const ServerOptions& options,
                             .speeds = device.truth().speeds,
                             .commanded = device.commanded(),
                             .mode = device.mode()});
-    newest_truth_.put({.time = device.now(),
-                       .pose = device.truth().pose,
-                       .speeds = device.truth().speeds});
+    newest_truth_.put(
+        {.time = device.now(), .pose = device.truth().pose, .speeds = device.truth().speeds});
     if (options_.on_tick) options_.on_tick(device);
   };
 }
