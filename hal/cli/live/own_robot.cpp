@@ -22,7 +22,7 @@ hal::Result<std::unique_ptr<OwnRobot>> OwnRobot::start(const DriveOptions& optio
   std::unique_ptr<OwnRobot> own{new OwnRobot};
   hal::RobotOptions robot = robot_options(options, config);
   auto chosen = choose_robot(config, options.pins, parameters(options.sim),
-                          hal::below_loop(robot.realtime.priority));
+                             hal::below_loop(robot.realtime.priority));
   if (!chosen) return chosen.failure();
   own->chosen_ = std::move(*chosen);
   robot.pins = own->chosen_.pins();

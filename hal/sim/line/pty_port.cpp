@@ -12,8 +12,8 @@
 #include <optional>
 #include <string_view>
 
-#include "hal/port/tty_speed.hpp"
 #include "hal/file/left_behind.hpp"
+#include "hal/port/tty_speed.hpp"
 
 namespace cargobay::hal::sim {
 
