@@ -88,7 +88,7 @@ tidy_one() {
 # precompiled headers. C is left out: names follow C rules there.
 compiled() {
   sed -nE 's/^ *"file": "(.*\.(cpp|cxx))",?$/\1/p' "$1/compile_commands.json" |
-    grep -vE '/(empty|pch)\.cpp$|/cmake_pch\.hxx\.cxx$|/cargobay_gtest_pch[a-z_]*\.dir/' | sort -u
+    grep -vE '/(empty|pch|page_files)\.cpp$|/cmake_pch\.hxx\.cxx$|/cargobay_gtest_pch[a-z_]*\.dir/' | sort -u
 }
 
 # sources_in FILE...: the files themselves or, for a unity source, the files that it includes.

@@ -125,8 +125,7 @@ class Drive {
  public:
   Drive(const DriveOptions& options, const Profile& profile, hal::sim::Server* server,
         const Published& published, StopSignals& signals, Outputs& outputs)
-      : options_{options},
-        published_{published},
+      : published_{published},
         signals_{signals},
         links_{server},
         display_{fmt::format("{}, {} loop", options.profile, options.open_loop ? "open" : "closed"),
@@ -234,7 +233,6 @@ class Drive {
     return back;
   }
 
-  const DriveOptions& options_;
   const Published& published_;
   StopSignals& signals_;
   DriveLinks links_;

@@ -9,11 +9,9 @@ namespace {
 
 using namespace feed_request;  // NOLINT(google-build-using-namespace): the kinds of a request
 
-const Failure kNotSteerable{
-    .message =
-        "this process drives by itself, and can only be watched; `cargobay serve` can be "
-        "steered"};
-const Failure kNotVirtual{.message = "only a virtual Create can be arranged; this is a robot"};
+constexpr const char* kNotSteerable =
+    "this process drives by itself, and can only be watched; `cargobay serve` can be steered";
+constexpr const char* kNotVirtual = "only a virtual Create can be arranged; this is a robot";
 
 Result<std::string> done(const Result<void>& result) {
   if (!result) return result.failure();
@@ -55,7 +53,7 @@ Result<std::string> FeedDesk::act(FeedConnection& client, const FeedRequest::Wha
     return std::string{};
   }
   if (const auto* const wanted = std::get_if<Control>(&what)) return control(wanted->line);
-  if (!steering_.drive) return kNotSteerable;
+  if (!steering_.drive) return Failure{.message = kNotSteerable};
   if (std::holds_alternative<Stop>(what)) {
     (void)lease_.revoke();
     stop();
@@ -103,7 +101,7 @@ Result<std::string> FeedDesk::drive(const rt::WheelSpeeds& speeds) {
 }
 
 Result<std::string> FeedDesk::control(const std::string& line) {
-  if (!steering_.control) return kNotVirtual;
+  if (!steering_.control) return Failure{.message = kNotVirtual};
   constexpr std::string_view kError = "error: ";
   const std::string answer = steering_.control(line);
   if (answer.starts_with(kError)) return Failure{.message = answer.substr(kError.size())};

@@ -108,7 +108,8 @@ std::vector<FoundFeed> find_feeds() {
   for (const std::string& folder : folders_to_search()) {
     if (!is_trustworthy(folder) && folder != "/run/cargobay") continue;
     for (const std::string& name : names_in(folder)) {
-      const std::string path = folder + "/" + name;
+      std::string path = folder;
+      (path += '/') += name;
       struct stat status{};
       if (lstat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) continue;
       const Descriptor socket = connect_to(path);

@@ -24,7 +24,7 @@ namespace {
 
 constexpr rt::Duration kLookAt = std::chrono::milliseconds{50};
 
-const Failure kNoRobot{.message = "the robot is not under control now; the feed's status says why"};
+constexpr const char* kNoRobot = "the robot is not under control now; the feed's status says why";
 
 // Whole commands that leave the loop alone.
 Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text) {
@@ -181,7 +181,7 @@ void Service::tell(const std::string& what) const {
 
 Result<void> Service::steer(const rt::WheelSpeeds& speeds) {
   const std::lock_guard lock{mutex_};
-  if (robot_ == nullptr) return kNoRobot;
+  if (robot_ == nullptr) return Failure{.message = kNoRobot};
   const auto state = robot_->cycle().state();
   if (state && state->mode != oi::Mode::safe && state->mode != oi::Mode::full) {
     return Failure{.message = "the robot has gone to " + std::string{oi::name(state->mode)} +
@@ -200,14 +200,14 @@ void Service::stop() {
 
 Result<void> Service::rearm() {
   const std::lock_guard lock{mutex_};
-  if (robot_ == nullptr) return kNoRobot;
+  if (robot_ == nullptr) return Failure{.message = kNoRobot};
   robot_->cycle().request_rearm();
   return {};
 }
 
 Result<void> Service::reset_odometry(const rt::OdometryPose& pose) {
   const std::lock_guard lock{mutex_};
-  if (robot_ == nullptr) return kNoRobot;
+  if (robot_ == nullptr) return Failure{.message = kNoRobot};
   Request request;
   request.kind = Request::Kind::pose;
   request.pose = pose;
@@ -219,7 +219,7 @@ Result<void> Service::send(std::string_view command) {
   const auto commands = commands_of(command);
   if (!commands) return commands.failure();
   const std::lock_guard lock{mutex_};
-  if (robot_ == nullptr) return kNoRobot;
+  if (robot_ == nullptr) return Failure{.message = kNoRobot};
   for (const std::vector<std::uint8_t>& each : *commands) {
     const auto request = side_request(robot_->cycle(), each, Request::WhenLong::wait);
     if (!request && request.failure().code == std::errc::operation_not_permitted)

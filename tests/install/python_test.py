@@ -86,7 +86,8 @@ class Driving(unittest.TestCase):
             self.assertIs(robot.end_report.code, ErrorCode.MODE)
 
     def test_examples(self):
-        for name in ("square", "teleop_and_back", "two_coroutines", "heading", "one_world", "watched"):
+        for name in ("square", "teleop_and_back", "two_coroutines", "heading", "one_world",
+                     "watched"):
             with self.subTest(example=name):
                 done = subprocess.run(
                     [sys.executable, EXAMPLES / f"{name}.py"], text=True, stdout=subprocess.PIPE,

@@ -268,6 +268,7 @@ TEST_F(FeedTest, RefusesMoreThanItsMost) {
   Command command{serve_command()};
   wait_until_served(command);
   std::vector<std::unique_ptr<Watcher>> watchers;
+  watchers.reserve(64);
   for (std::size_t i = 0; i < 64; ++i) watchers.push_back(std::make_unique<Watcher>(port_));
   EXPECT_EQ(watchers.back()->next("hello")["feed"], 1);
   Watcher last{port_};

@@ -56,7 +56,7 @@ class Person {
 class TeleopTest : public DriveTest {
  protected:
   void SetUp() override {
-    setenv("TERM", "xterm", 1);
+    setenv("TERM", "xterm", 1);  // NOLINT(concurrency-mt-unsafe): one thread
     DriveTest::SetUp();
   }
   bool rolls() const { return server_->snapshot().truth.speeds.left_mm_s > 100.0; }

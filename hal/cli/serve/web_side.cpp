@@ -140,13 +140,15 @@ void WebSide::keep_address() {
 hal::Result<void> WebSide::spawn() {
   std::array<int, 2> pipe{-1, -1};
   const auto failed = [](int error) {
-    return hal::Failure{.message = fmt::format("cannot start cargobay-web: {}", strerror(error)),
-                        .code = {error, std::generic_category()}};
+    return hal::Failure{
+        .message = "cannot start cargobay-web: " + std::generic_category().message(error),
+        .code = {error, std::generic_category()}};
   };
   if (pipe2(pipe.data(), O_CLOEXEC) != 0) return failed(errno);
   ready_ = hal::Descriptor{pipe[0]};
   const hal::Descriptor writing{pipe[1]};
   std::vector<char*> arguments;
+  arguments.reserve(arguments_.size() + 1);
   for (std::string& argument : arguments_) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
   std::vector<char*> environment;

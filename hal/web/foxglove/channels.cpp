@@ -59,14 +59,14 @@ NamedSchema schema_of(const Channel& channel) {
 std::span<const Channel> channels() { return kChannels; }
 
 const Channel* find_channel(std::uint64_t id) {
-  const auto found = std::ranges::find_if(
+  const auto* const found = std::ranges::find_if(
       kChannels, [id](const Channel& one) { return static_cast<std::uint64_t>(one.id) == id; });
-  return found == kChannels.end() ? nullptr : &*found;
+  return found == kChannels.end() ? nullptr : found;
 }
 
 const Channel* own_channel(std::string_view feed_type) {
-  const auto found = std::ranges::find(kChannels, feed_type, &Channel::feed_type);
-  return found == kChannels.end() ? nullptr : &*found;
+  const auto* const found = std::ranges::find(kChannels, feed_type, &Channel::feed_type);
+  return found == kChannels.end() ? nullptr : found;
 }
 
 namespace {
@@ -88,8 +88,8 @@ std::string made_advertisement() {
 }  // namespace
 
 const std::string& advertisement() {
-  static const std::string made = made_advertisement();
-  return made;
+  static const std::string kMade = made_advertisement();
+  return kMade;
 }
 
 }  // namespace cargobay::web

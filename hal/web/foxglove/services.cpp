@@ -48,12 +48,12 @@ std::string made_advertisement_of_services() {
 }  // namespace
 
 const std::string& services_advertisement() {
-  static const std::string made = made_advertisement_of_services();
-  return made;
+  static const std::string kMade = made_advertisement_of_services();
+  return kMade;
 }
 
 std::optional<std::string_view> service_request(std::uint64_t service) {
-  const auto found = std::ranges::find(kServices, service, &Service::id);
+  const auto* const found = std::ranges::find(kServices, service, &Service::id);
   if (found == kServices.end()) return std::nullopt;
   return found->request;
 }
