@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -38,6 +39,17 @@ struct Request {
 
   std::span<const std::uint8_t> command() const { return std::span{bytes}.first(size); }
 };
+
+// From where the odometry can go on: at these distances a millimetre and a millirad still count.
+// False for what is not a number.
+inline bool is_possible(const rt::OdometryPose& pose) {
+  constexpr double kFarthestMm = 1e9;
+  constexpr double kMostRad = 1e6;
+  return std::abs(pose.x_mm) <= kFarthestMm && std::abs(pose.y_mm) <= kFarthestMm &&
+         std::abs(pose.heading_rad) <= kMostRad;
+}
+inline constexpr const char* kPossiblePoses =
+    "`x_mm` and `y_mm` must be -1e9 to 1e9, `heading_rad` -1e6 to 1e6";
 
 inline constexpr std::size_t kMostRequests = 32;
 using RequestRing = rt::SpscRing<Request, kMostRequests>;

@@ -1,5 +1,6 @@
 #include "hal/feed/feed_desk.hpp"
 
+#include "hal/cycle/request.hpp"
 #include "hal/json_object.hpp"
 #include "oi/limits.hpp"
 
@@ -38,12 +39,10 @@ std::optional<std::string> FeedDesk::hear(FeedConnection& client, std::string_vi
   lease_.renew(client.number(), now);
   const Result<std::string> result =
       what ? act(client, *what, now) : Result<std::string>{what.failure()};
+  if (!id.empty()) return answer(id, result);
   // A reader that wanted no answer is told at least that it was not understood.
-  if (id.empty() && (what || !line.empty())) {
-    if (result) return std::nullopt;
-    return answer("null", result);
-  }
-  return answer(id, result);
+  if (result) return std::nullopt;
+  return answer("null", result);
 }
 
 Result<std::string> FeedDesk::act(FeedConnection& client, const FeedRequest::What& what,
@@ -74,8 +73,10 @@ Result<std::string> FeedDesk::act(FeedConnection& client, const FeedRequest::Wha
   if (const auto* const wheels = std::get_if<DriveWheels>(&what)) return drive(wheels->speeds);
   if (const auto* const wanted = std::get_if<DriveTwist>(&what))
     return drive(rt::wheels_for(wanted->twist, wheel_base_mm_, oi::kMaxWheelSpeed));
-  if (const auto* const reset = std::get_if<ResetOdometry>(&what))
+  if (const auto* const reset = std::get_if<ResetOdometry>(&what)) {
+    if (!is_possible(reset->pose)) return Failure{.message = kPossiblePoses};
     return done(steering_.reset_odometry(reset->pose));
+  }
   if (const auto* const command = std::get_if<Send>(&what))
     return done(steering_.send(command->command));
   return done(steering_.rearm());

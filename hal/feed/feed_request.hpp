@@ -49,12 +49,10 @@ struct FeedRequest {
                             feed_request::DriveWheels, feed_request::DriveTwist, feed_request::Stop,
                             feed_request::Rearm, feed_request::ResetOdometry, feed_request::Send,
                             feed_request::Control>;
-  std::string id{};  // JSON; empty: no answer is wanted
-  What what{};
 };
 
-// A failure says what is wrong; `id` is filled in as far as it could be read. Allocates, blocks for
-// nothing; never throws.
+// A failure says what is wrong. `id` becomes that of the request, as JSON; it stays as it is if the
+// request has none, and so wants no answer. Allocates, blocks for nothing; never throws.
 Result<FeedRequest::What> parse_request(std::string_view line, std::string& id);
 
 }  // namespace cargobay::hal

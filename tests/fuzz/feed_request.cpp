@@ -41,7 +41,8 @@ hal::FeedSteering steering(const bool& holder_asks) {
           .reset_odometry =
               [=](const rt::OdometryPose& pose) {
                 require_holder();
-                require(std::isfinite(pose.x_mm + pose.y_mm + pose.heading_rad));
+                require(std::abs(pose.x_mm) <= 1e9 && std::abs(pose.y_mm) <= 1e9);
+                require(std::abs(pose.heading_rad) <= 1e6);
                 return hal::Result<void>{};
               },
           .send =

@@ -197,15 +197,10 @@ int cargobay_get_fd(struct cargobay_robot* robot) {
 
 int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_mm,
                             double heading_rad) {
-  // At this distance a millimetre and a millirad still count; false for NaN.
-  constexpr double kFarthestMm = 1e9;
-  constexpr double kMostRad = 1e6;
-  const bool sensible = std::abs(x_mm) <= kFarthestMm && std::abs(y_mm) <= kFarthestMm &&
-                        std::abs(heading_rad) <= kMostRad;
-  if (!sensible) {
-    return bad_argument(
-        "the pose is not a number, or out of range: `x_mm` and `y_mm` must be -1e9 to 1e9, "
-        "`heading_rad` -1e6 to 1e6");
+  const cargobay::rt::OdometryPose pose{.x_mm = x_mm, .y_mm = y_mm, .heading_rad = heading_rad};
+  if (!cargobay::hal::is_possible(pose)) {
+    return bad_argument(std::string{"the pose is not a number, or out of range: "} +
+                        cargobay::hal::kPossiblePoses);
   }
   return guarded([&] {
     const RobotUse use = robots().use(robot);
@@ -215,7 +210,7 @@ int cargobay_reset_odometry(struct cargobay_robot* robot, double x_mm, double y_
     if (const int failed = session->must_run(); failed != CARGOBAY_OK) return failed;
     cargobay::hal::Request request;
     request.kind = cargobay::hal::Request::Kind::pose;
-    request.pose = {.x_mm = x_mm, .y_mm = y_mm, .heading_rad = heading_rad};
+    request.pose = pose;
     return session->request(request);
   });
 }
