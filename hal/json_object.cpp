@@ -1,6 +1,6 @@
 #include "hal/json_object.hpp"
 
-#include <cstdint>
+#include <cstdio>
 
 namespace cargobay::hal {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <cstdio>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace cargobay::hal {
@@ -38,11 +38,13 @@ class JsonObject {
   JsonObject& number(std::string_view key, Number value) {
     return raw(key, digits(value));
   }
-  // To a thousandth.
+  // To a thousandth; with the shortest digits if it has too many for that.
   JsonObject& thousandths(std::string_view key, double value) {
-    std::array<char, 48> text{};
-    const int length = std::snprintf(text.data(), text.size(), "%.3f", value);
-    return raw(key, {text.data(), static_cast<std::size_t>(length)});
+    std::array<char, 32> text{};
+    const auto [end, error] =
+        std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 3);
+    if (error != std::errc{} || !std::isfinite(value)) return number(key, value);
+    return raw(key, {text.data(), end});
   }
   JsonObject& truth(std::string_view key, bool value) { return raw(key, value ? "true" : "false"); }
   JsonObject& text(std::string_view key, std::string_view value) {

@@ -38,10 +38,20 @@ TEST(JsonObject, IsReadBackAsItWas) {
 TEST(JsonObject, HasNoNumberForWhatIsNone) {
   JsonObject object;
   object.number("nan", std::numeric_limits<double>::quiet_NaN())
-      .number("inf", std::numeric_limits<float>::infinity());
-  EXPECT_EQ(object.take(), R"({"nan":null,"inf":null})");
+      .number("inf", std::numeric_limits<float>::infinity())
+      .thousandths("short", -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(object.take(), R"({"nan":null,"inf":null,"short":null})");
   EXPECT_EQ(JsonObject{}.take(), "{}");
   EXPECT_EQ(JsonArray{}.take(), "[]");
+}
+
+TEST(JsonObject, HasThousandthsOfAnyNumber) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  JsonObject object;
+  object.thousandths("most", kMost).thousandths("least", -1e-9).thousandths("some", 1e6);
+  const std::string text = object.take();
+  EXPECT_EQ(json::parse(text)["most"], kMost);
+  EXPECT_NE(text.find(R"("least":-0.000,"some":1000000.000)"), std::string::npos) << text;
 }
 
 TEST(JsonObject, ReplacesWhatIsNotUtf8) {
