@@ -22,6 +22,7 @@ namespace cargobay::hal {
 namespace {
 
 constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
+constexpr timespec kBetweenLooks{.tv_sec = 0, .tv_nsec = 15'000'000};
 // Who may connect: the owner; in the folder of a service also its group.
 constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
 
@@ -110,14 +111,16 @@ void Feed::run() {
       sources.push_back({.fd = client->descriptor(), .events = client->events(), .revents = 0});
     const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
     const bool forever = until == rt::TimePoint::max();
-    if (ppoll(sources.data(), sources.size(), forever ? nullptr : &timeout, nullptr) < 0)
-      for (pollfd& source : sources) source.revents = 0;
-    now = rt::Clock::now();
-    if (sources[0].revents != 0) {
-      std::uint64_t count = 0;
-      (void)!::read(wake_.number(), &count, sizeof count);
-      tell_status();
+    if (ppoll(sources.data(), sources.size(), forever ? nullptr : &timeout, nullptr) < 0) {
+      const bool refused = errno != EINTR;
+      if (refused) nanosleep(&kBetweenLooks, nullptr);
+      // So many descriptors are too many, as above a lowered limit of open files: every client is
+      // served now and then instead.
+      for (pollfd& source : sources) source.revents = refused ? source.events : short{0};
     }
+    now = rt::Clock::now();
+    std::uint64_t count = 0;
+    if (sources[0].revents != 0 && ::read(wake_.number(), &count, sizeof count) > 0) tell_status();
     serve(sources, now);
     desk_.expire(now);
     tell_holder();
@@ -129,6 +132,7 @@ void Feed::run() {
   }
   {
     const std::lock_guard lock{mutex_};
+    if (stage_ != "lost" && stage_ != "ended") text_.clear();  // it was about what went on
     stage_ = "ended";
   }
   for (const auto& client : clients_) desk_.leave(client->number());

@@ -14,6 +14,7 @@
 #include "hal/robot/reconnect.hpp"
 #include "hal/robot/side_command.hpp"
 #include "hal/sim/remote/control_socket.hpp"
+#include "oi/commands.hpp"
 #include "oi/parse.hpp"
 #include "oi/text/command_text.hpp"
 #include "oi/value_names.hpp"
@@ -26,7 +27,7 @@ constexpr rt::Duration kLookAt = std::chrono::milliseconds{50};
 
 constexpr const char* kNoRobot = "the robot is not under control now; the feed's status says why";
 
-// Whole commands that leave the loop alone.
+// Whole commands that leave the loop alone, and after which the robot hears what it is told.
 Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text) {
   std::vector<std::uint8_t> bytes(oi::most_bytes(text));
   const oi::TextResult encoded = oi::encode_text(text, bytes);
@@ -41,6 +42,10 @@ Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text
       return Failure{.message = "not whole commands with values in range"};
     const auto command = rest.first(parsed.length);
     if (const auto alone = leaves_loop_alone(command); !alone) return alone.failure();
+    // While a script waits the robot hears nothing, not even the stop that is everyone's.
+    if (command[0] == oi::PlayScript::kOpcode)
+      return Failure{.message =
+                         "a script may drive, and wait without hearing a stop; not from here"};
     commands.emplace_back(command.begin(), command.end());
     rest = rest.subspan(parsed.length);
   }

@@ -198,7 +198,12 @@ TEST_F(FeedTest, SaysWhatTheRobotWillNotDo) {
   refused({{"do", "drive"}, {"left_mm_s", 501}, {"right_mm_s", 0}}, "-500 to 500");
   refused({{"do", "send"}, {"command", "full"}}, "for the loop to send");
   refused({{"do", "send"}, {"command", "drive 100 straight"}}, "for the loop to send");
+  refused(
+      {{"do", "send"}, {"command", "script { drive 100 straight wait_event bump } play_script"}},
+      "without hearing a stop");
   refused({{"do", "send"}, {"command", "hop"}}, "hop");
+  refused({{"do", "reset_odometry"}, {"x_mm", 1e300}, {"y_mm", 0}, {"heading_rad", 0}},
+          "-1e9 to 1e9");
   refused({{"do", "control"}, {"line", "bump left"}}, "only a virtual Create");
   EXPECT_EQ(watcher.ask({{"do", "send"}, {"command", "leds play 0 255"}})["ok"], true);
   EXPECT_TRUE(eventually([&] {
