@@ -58,6 +58,7 @@ RobotObject::~RobotObject() {
   if (feed) feed->leave();
   session_.store(nullptr);
   session_owner_.reset();  // before what it drives
+  feed.reset();            // before another may publish the same virtual Create
   if (opening.sim) opening.sim->taken.store(false);
 }
 
@@ -124,6 +125,7 @@ int RobotObject::open_session() {
       opening.wanted.cycle.loop.estimator.prior = learnt;
   }
   close_session();
+  if (feed) feed->report("bring_up", "the robot is brought up");
   std::unique_ptr<hal::ByteStream> stream;
   if (const int failed = opening.open_stream(stream); failed != CARGOBAY_OK) return failed;
   auto session = std::make_unique<Session>(*this);
@@ -144,10 +146,7 @@ int RobotObject::open_session() {
   session->robot = std::move(*opened);
   session_owner_ = std::move(session);
   session_.store(session_owner_.get(), std::memory_order_seq_cst);
-  if (feed) {
-    feed->follow(*session_owner_->robot);
-    feed->report("driving", "the robot is under control of this program");
-  }
+  if (feed) feed->follow(*session_owner_->robot);
   if (!newest) return CARGOBAY_OK;
   hal::Request pose;
   pose.kind = hal::Request::Kind::pose;
@@ -172,8 +171,13 @@ RobotTable& robots() {
 }
 
 void keep(std::unique_ptr<RobotObject> object) {
-  // In virtual time the thread may be inside the virtual Create.
-  if (object->opening.sim && !object->in_virtual_time()) {
+  {
+    // Unless another thread is still bringing the robot up: it uses the feed.
+    const std::unique_lock lock{object->owner(), std::try_to_lock};
+    if (lock) object->feed.reset();
+  }
+  // In virtual time the thread may be inside the virtual Create, and a feed looks at it.
+  if (object->opening.sim && !object->in_virtual_time() && !object->feed) {
     object->opening.sim->taken.store(false);
     object->opening.sim = {};
   }

@@ -219,6 +219,7 @@ int Session::start() {
     return failed;
   }
   life.store(Life::running, std::memory_order_release);
+  if (object.feed) object.feed->report("driving", "the robot is under control of this program");
   return CARGOBAY_OK;
 }
 
@@ -241,6 +242,7 @@ void Session::end() {
     if (!farewell_) farewell_ = left;
   }
   life.store(Life::stopped, std::memory_order_release);
+  if (object.feed) object.feed->report("lost", words_of(*this, left).message);
   if (!recording) return;
   if (const auto& done = recording->finish(); !done) {
     const std::lock_guard lock{ending_};
