@@ -59,6 +59,8 @@ class Cable {
   // Does something when the time has come; at once if it is past. What is done may depend on the
   // order of the calls.
   void at(rt::Duration time, std::function<void(Cable&)> deed);
+  // How many still wait for their time.
+  std::size_t deeds() const { return later_.size(); }
 
   // Bytes that have arrived at the host.
   std::size_t available() const { return arrived_.size(); }

@@ -21,6 +21,7 @@ namespace {
 constexpr double kShortPressMs = 200.0;
 constexpr double kLongestPressMs = 3'600'000.0;
 constexpr double kLongestSeconds = 86'400.0;
+constexpr std::size_t kMostDeeds = 1000;
 constexpr double kFarthestMm = 1e6;
 constexpr double kMostMah = 65535.0;
 constexpr double kFastestMmPerSec = 1000.0;
@@ -306,6 +307,11 @@ const ControlInfo* find_control(std::string_view name) {
 std::optional<std::string> later(std::string_view rest, Cable& cable) {
   const std::optional<double> seconds = to_number(next_word(rest), 0.0, kLongestSeconds);
   if (!seconds || no_more_words(rest)) return std::nullopt;
+  // Tried and then done at each level, they would take twice as long with each.
+  std::string_view words = rest;
+  if (next_word(words) == "at") return "error: `at` is not for an `at`; give the later time alone";
+  if (cable.deeds() >= kMostDeeds)
+    return "error: " + std::to_string(kMostDeeds) + " commands wait for their time, the most";
   const auto another = std::make_unique<Device>(cable.device().parameters());
   Cable its_cable{*another};
   if (std::string answer = control(rest, its_cable); answer.starts_with("error: ")) return answer;

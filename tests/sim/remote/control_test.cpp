@@ -306,6 +306,15 @@ TEST(Control, RefusesWhatItCannotDoLater) {
     EXPECT_EQ(robot.say(line), "error: the usage is 'at SECONDS COMMAND'") << line;
   EXPECT_EQ(robot.say("at 1 bumb left").substr(0, 28), "error: unknown command 'bumb");
   EXPECT_EQ(robot.say("at 1 bump sideways"), "error: the usage is 'bump none|left|right|both'");
+  EXPECT_EQ(robot.say("at 0 at 0 bump left").substr(0, 11), "error: `at`");
+}
+
+TEST(Control, KeepsAThousandForLater) {
+  Controlled robot;
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(robot.say("at 1 bump left"), "ok");
+  EXPECT_EQ(robot.say("at 1 bump left").substr(0, 11), "error: 1000");
+  robot.wait(std::chrono::milliseconds{1001});
+  EXPECT_EQ(robot.say("at 9 bump left"), "ok");
 }
 
 }  // namespace
