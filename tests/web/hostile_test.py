@@ -241,8 +241,8 @@ class Loopback(WebTest):
 
     def test_bounds_its_clients(self):
         before = self.server.descriptors()
-        sockets = [WebSocket(self.server) for _ in range(64)]
-        self.assertEqual([socket.status for socket in sockets], [101] * 64)
+        sockets = [WebSocket(self.server) for _ in range(48)]
+        self.assertEqual([socket.status for socket in sockets], [101] * 48)
         self.assertEqual(WebSocket(self.server).status, 503)
         self.assertEqual(self.get("/")[0], 200)
         for socket in sockets:

@@ -221,7 +221,7 @@ int Server::Parts::confirm_upgrade(lws* wsi) const {
   if (!request.is_get) reply = error_reply(405, "a WebSocket begins with GET");
   if (!is_version_13(wsi)) reply = error_reply(426, "the version of the WebSocket is 13");
   if (reply.status == 101 && sockets.size() >= kMostWebSockets)
-    reply = error_reply(503, "64 clients are connected; close one");
+    reply = error_reply(503, std::to_string(kMostWebSockets) + " clients are connected; close one");
   if (reply.status == 101) return 0;
   return send_reply(wsi, reply, request.is_head) ? 1 : -1;
 }

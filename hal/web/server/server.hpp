@@ -10,7 +10,9 @@
 
 namespace cargobay::web {
 
-inline constexpr std::size_t kMostWebSockets = 64;
+// Fewer than the clients of a feed (hal/feed/feed.hpp): others on this machine, who may have to stop
+// the robot, find a place there.
+inline constexpr std::size_t kMostWebSockets = 48;
 // Requests whose headers are being read at a time; the next ones wait. One has 5 s.
 inline constexpr unsigned kMostHandshakes = 16;
 inline constexpr int kHandshakeSeconds = 5;
