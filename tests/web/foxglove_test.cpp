@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -72,7 +73,8 @@ class FoxgloveTest : public testing::Test {
             {"schemaName", "geometry_msgs/Twist"}}}}});
   }
 
-  web::FoxgloveConversation conversation_;
+  cargobay::rt::TimePoint now_{};
+  web::FoxgloveConversation conversation_{[this] { return now_; }};
 };
 
 TEST_F(FoxgloveTest, IntroducesItself) {
@@ -189,12 +191,38 @@ TEST_F(FoxgloveTest, SaysWhoSteersIfItIsSomebodyElse) {
   EXPECT_THAT(requests(), HasSubstr("\"take\":true"));
 }
 
-TEST_F(FoxgloveTest, AsksForTheLeaseAgainWhenItIsLost) {
+// A stop is everyone's, also against who goes on publishing.
+TEST_F(FoxgloveTest, AsksForTheLeaseAgainOnlyWhenItWasLetGo) {
+  advertise();
+  for (const char* const holder : {"null", "\"Ada\""}) {
+    now_ += web::Steering::kLetGo;
+    publish(R"({"linear":{"x":0.1}})");
+    const std::string hold = requests();
+    ASSERT_THAT(hold, HasSubstr("\"do\":\"hold\""));
+    const std::string id = hold.substr(0, hold.find(','));  // {"id":N
+    conversation_.tell(id + R"(,"type":"answer","ok":true})", kNowNs);
+    EXPECT_THAT(requests(), HasSubstr("\"do\":\"drive\""));
+    (void)texts();
+    conversation_.tell(std::string{R"({"type":"holder","seq":5,"name":)"} + holder + "}", kNowNs);
+    EXPECT_EQ(texts().size(), 1U) << "says why";
+    for (int i = 0; i < 20; ++i) {
+      now_ += std::chrono::milliseconds{100};
+      publish(R"({"linear":{"x":0.1}})");
+      EXPECT_EQ(requests(), "");
+    }
+    EXPECT_TRUE(texts().empty());
+  }
+}
+
+TEST_F(FoxgloveTest, DrivesNoMoreAfterARefusalUntilItWasLetGo) {
   advertise();
   publish(R"({"linear":{"x":0.1}})");
   conversation_.tell(R"({"type":"answer","id":1,"ok":true})", kNowNs);
-  conversation_.tell(R"({"type":"holder","seq":5,"name":"Ada"})", kNowNs);
+  conversation_.tell(R"({"type":"answer","id":2,"ok":false,"error":"passive"})", kNowNs);
   (void)requests();
+  publish(R"({"linear":{"x":0.1}})");
+  EXPECT_EQ(requests(), "");
+  now_ += web::Steering::kLetGo;
   publish(R"({"linear":{"x":0.1}})");
   EXPECT_THAT(requests(), HasSubstr("\"do\":\"hold\""));
 }

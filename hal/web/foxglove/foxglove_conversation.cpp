@@ -59,8 +59,8 @@ rt::OdometryPose as_odometry(const Pose& pose) {
 
 }  // namespace
 
-FoxgloveConversation::FoxgloveConversation()
-    : steering_{[this](const std::string& line) { request(line); }} {
+FoxgloveConversation::FoxgloveConversation(std::function<rt::TimePoint()> now)
+    : steering_{[this](const std::string& line) { request(line); }, std::move(now)} {
   parameters_[std::string{kNameParameter}] = dump(Json(steering_.name()));
   parameters_[std::string{kTakeParameter}] = "false";
   send(dump({{"op", "serverInfo"},
@@ -181,7 +181,8 @@ void FoxgloveConversation::act(const client_message::Data& message) {
   }
   const auto refused = [this](const std::string& reason) {
     complain(std::string{kVelocityTopic} + ": " + reason +
-             (steering_.takes() ? "" : " (the parameter steer.take takes the robot from others)"));
+             (steering_.takes() ? "" : " (the parameter steer.take takes the robot from others)") +
+             "; let go, then publish again");
   };
   if (!steering_.drive(*velocity, refused)) complain("the feed does not answer");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,13 +15,15 @@
 #include "hal/web/foxglove/channels.hpp"
 #include "hal/web/foxglove/client_message.hpp"
 #include "hal/web/foxglove/steering.hpp"
+#include "rt/clock.hpp"
 
 namespace cargobay::web {
 
 // One thread. Nothing that a client sends ends it; what is not understood is said in a status.
 class FoxgloveConversation final : public Conversation {
  public:
-  FoxgloveConversation();
+  // `now`: for tests.
+  explicit FoxgloveConversation(std::function<rt::TimePoint()> now = rt::Clock::now);
 
   std::optional<Ending> hear(std::string_view message, bool is_binary) override;
   void tell(std::string_view line, std::int64_t unix_ns) override;

@@ -21,6 +21,11 @@ bool Steering::ask(std::string_view what, Done done) {
 }
 
 bool Steering::drive(const Velocity& velocity, std::function<void(const std::string&)> refused) {
+  const rt::TimePoint now = now_();
+  const bool goes_on = heard_ && now - *heard_ < kLetGo;
+  heard_ = now;
+  must_let_go_ = must_let_go_ && goes_on;
+  if (must_let_go_) return true;
   wanted_ = velocity;
   refused_ = std::move(refused);
   if (asks_for_lease_) return true;  // the newest is sent when it is there
@@ -39,8 +44,7 @@ bool Steering::drive(const Velocity& velocity, std::function<void(const std::str
         if (holds_) {
           send_velocity();
         } else {
-          wanted_.reset();
-          refused_(answer.error);
+          refuse(answer.error);
         }
       });
   if (!sent) asks_for_lease_ = false;
@@ -54,10 +58,15 @@ void Steering::send_velocity() {
                               Json(velocity.linear_m_s * 1e3).dump() + R"(,"turn_rate_rad_s":)" +
                               Json(velocity.angular_rad_s).dump();
   (void)send(members, [this](const FeedAnswer& answer) {
-    if (answer.ok) return;
-    holds_ = false;  // or out of range: then the next one says so again
-    refused_(answer.error);
+    if (!answer.ok && holds_) refuse(answer.error);
   });
+}
+
+void Steering::refuse(const std::string& why) {
+  holds_ = false;
+  must_let_go_ = true;
+  wanted_.reset();
+  refused_(why);
 }
 
 void Steering::release() {
@@ -76,7 +85,9 @@ void Steering::answered(const FeedAnswer& answer) {
 }
 
 void Steering::held_by(const std::optional<std::string>& name) {
-  if (name != name_) holds_ = false;
+  if (holds_ && name != name_)
+    refuse(name ? *name + " steers now"
+                : "somebody has stopped the robot, or the lease was given back");
 }
 
 }  // namespace cargobay::web
