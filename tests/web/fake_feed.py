@@ -74,7 +74,7 @@ class FakeFeed:
             yield {"type": "statistics", "seq": 0, "unsent": tick, "frames": {"good": tick}}
             yield {"type": "event", "seq": 0, "sequence": tick, "what": "bump_began", "tick": tick,
                    "time_s": time_s, "text": "bump, left"}
-            yield {"type": "holder", "seq": 0, "name": None}
+            yield {"type": "holder", "seq": 0, "name": "Ada"}
             yield {"type": "status", "seq": 0, "stage": "driving", "text": "driving"}
             yield {"type": "virtual_create", "seq": 0, "state": {"powered": True}}
             yield {"type": "missed", "messages": 1}
