@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -79,6 +82,18 @@ int usage_error(const std::string& message) {
   return cli::kUsageError;
 }
 
+// A token in the arguments can be read by each user of the machine for as long as it is there.
+void hide_token(std::span<char* const> arguments) {
+  constexpr std::string_view kOption = "--token";
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    char* secret = nullptr;
+    if (arguments[i] == kOption && i + 1 < arguments.size()) secret = arguments[i + 1];
+    if (std::string_view{arguments[i]}.starts_with("--token="))
+      secret = arguments[i] + kOption.size() + 1;
+    if (secret != nullptr) std::memset(secret, 'x', std::strlen(secret));
+  }
+}
+
 // `words` are those after the program's name.
 int run(std::vector<const char*> words) {
   CLI::App app{
@@ -117,7 +132,12 @@ int main(int argc, char** argv) {
   if (!cargobay::cli::open_standard_descriptors()) return cargobay::cli::kFailure;
   cargobay::cli::rely_on_standard_streams();
   try {
-    return run({argv + std::min(argc, 1), argv + argc});
+    const std::span<char* const> arguments{argv + std::min(argc, 1), argv + argc};
+    const std::vector<std::string> copies{arguments.begin(), arguments.end()};
+    hide_token(arguments);
+    std::vector<const char*> words;
+    for (const std::string& copy : copies) words.push_back(copy.c_str());
+    return run(std::move(words));
   } catch (const std::exception& error) {
     cargobay::cli::print_error(error.what());
     return cargobay::cli::kFailure;

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -283,6 +285,22 @@ TEST_F(FeedTest, RefusesMoreThanItsMost) {
     Watcher again{port_};
     return again.next([](const json&) { return true; })["type"] == "hello";
   }));
+}
+
+TEST_F(FeedTest, OtherUsersDoNotSeeTheToken) {
+  for (const std::vector<std::string>& token :
+       {std::vector<std::string>{"--token", "unguessable"}, {"--token=unguessable"}}) {
+    std::vector<std::string> words = serve_command();
+    words.insert(words.end(), token.begin(), token.end());
+    Command command{words};
+    wait_until_served(command);
+    std::ifstream file{"/proc/" + std::to_string(command.process()) + "/cmdline"};
+    const std::string seen{std::istreambuf_iterator<char>{file}, {}};
+    EXPECT_THAT(seen, HasSubstr("serve"));
+    EXPECT_EQ(seen.find("unguessable"), std::string::npos);
+    command.send(SIGTERM);
+    EXPECT_EQ(command.exit_code(), 128 + SIGTERM);
+  }
 }
 
 TEST_F(FeedTest, ItsEndLeavesTheRobotStanding) {
