@@ -81,13 +81,13 @@ if(TARGET cargobay)
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/fish/vendor_completions.d COMPONENT command)
   # The same on every architecture, so not in CMAKE_INSTALL_LIBDIR.
   install(FILES examples/system/60-cargobay.rules DESTINATION lib/udev/rules.d COMPONENT command)
-  install(FILES examples/system/cargobay@.service DESTINATION lib/systemd/system
-    COMPONENT command)
+  install(FILES examples/system/cargobay@.service examples/system/cargobay-serve.service
+    DESTINATION lib/systemd/system COMPONENT command)
   set(examples_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay/examples)
   install(FILES examples/system/cargobay.toml DESTINATION ${examples_dir} COMPONENT command)
   install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT command)
   # Messages, headers and man pages refer readers to these.
-  file(GLOB pages CONFIGURE_DEPENDS docs/*.md docs/*.svg)
+  file(GLOB pages CONFIGURE_DEPENDS docs/*.md docs/*.svg docs/*.png)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay COMPONENT command)
 endif()
 
@@ -222,7 +222,8 @@ Create, in real or virtual time, replaces a robot.
 
 This package contains the command cargobay, which brings a robot up, drives,
 records and replays, measures timing and serves virtual robots; a udev rule for
-serial adapters and GPIO, and a systemd unit for controllers.")
+serial adapters and GPIO, and systemd units for controllers and for \"cargobay
+serve\".")
 
 set(CPACK_DEBIAN_WEB_PACKAGE_NAME ${package_web})
 set(CPACK_DEBIAN_WEB_PACKAGE_SECTION electronics)

@@ -20,6 +20,8 @@ namespace cargobay::hal {
 namespace {
 
 constexpr mode_t kOwnersAlone = S_IRWXU;
+// Only root can have made it.
+constexpr const char* kFolderOfService = "/run/cargobay";
 
 std::optional<std::string> environment(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): only read
@@ -49,15 +51,15 @@ std::vector<std::string> own_folders() {
   if (auto of_service = environment("RUNTIME_DIRECTORY"))
     folders.push_back(of_service->substr(0, of_service->find(':')));
   if (auto of_user = environment("XDG_RUNTIME_DIR")) folders.push_back(*of_user + "/cargobay");
-  if (geteuid() == 0) folders.emplace_back("/run/cargobay");
+  if (geteuid() == 0) folders.emplace_back(kFolderOfService);
   folders.push_back(folder_in_tmp(geteuid()));
   return folders;
 }
 
 std::vector<std::string> folders_to_search() {
   std::vector<std::string> folders = own_folders();
-  if (folders.size() == 1) return folders;  // named
-  for (const std::string& other : {std::string{"/run/cargobay"}, folder_in_tmp(0)}) {
+  if (environment("CARGOBAY_FEED_DIR")) return folders;
+  for (const std::string& other : {std::string{kFolderOfService}, folder_in_tmp(0)}) {
     if (std::ranges::find(folders, other) == folders.end()) folders.push_back(other);
   }
   return folders;
@@ -96,17 +98,21 @@ Result<std::string> feed_folder() {
                  .code = std::make_error_code(std::errc::permission_denied)};
 }
 
-bool is_trusted_peer(int socket) {
+bool is_trusted_peer(int socket, const std::string& path) {
   ucred peer{};
   socklen_t size = sizeof peer;
   if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return false;
-  return peer.uid == geteuid() || peer.uid == 0;
+  if (peer.uid == geteuid() || peer.uid == 0) return true;
+  struct stat folder{};
+  return path.starts_with(std::string{kFolderOfService} + "/") &&
+         lstat(kFolderOfService, &folder) == 0 && S_ISDIR(folder.st_mode) &&
+         (folder.st_mode & (S_IWGRP | S_IWOTH)) == 0 && peer.uid == folder.st_uid;
 }
 
 std::vector<FoundFeed> find_feeds() {
   std::vector<FoundFeed> feeds;
   for (const std::string& folder : folders_to_search()) {
-    if (!is_trustworthy(folder) && folder != "/run/cargobay") continue;
+    if (!is_trustworthy(folder) && folder != kFolderOfService) continue;
     for (const std::string& name : names_in(folder)) {
       std::string path = folder;
       (path += '/') += name;

@@ -15,15 +15,16 @@ std::string feed_name(const std::string& port);
 // used and what to do. Reads the environment; blocks for the file system.
 Result<std::string> feed_folder();
 
-// Whether what is at the other end of a Unix socket is a process of this user or of root.
-bool is_trusted_peer(int socket);
+// Whether what listens at `path`, the other end of `socket`, is a process of this user, of root, or
+// of the user whom root has given the folder of the service, /run/cargobay.
+bool is_trusted_peer(int socket, const std::string& path);
 
 struct FoundFeed {
   std::string name{};  // of the port, as feed_name() makes it
   std::string socket{};
 };
-// The feeds that a process of this user or of root publishes now, in the order of the folders;
-// those of dead processes are left out.
+// The feeds that are published now where this user looks, in the order of the folders; those of dead
+// processes are left out. Whom to trust is_trusted_peer() says.
 std::vector<FoundFeed> find_feeds();
 
 }  // namespace cargobay::hal

@@ -64,7 +64,7 @@ Result<FeedReader> FeedReader::attach(const std::string& port) {
     const std::error_code code{errno, std::generic_category()};
     return Failure{.message = "cannot attach to " + *path + ": " + code.message(), .code = code};
   }
-  if (!is_trusted_peer(socket.number())) {
+  if (!is_trusted_peer(socket.number(), *path)) {
     return Failure{.message = *path + " belongs to another user's process, which is not trusted",
                    .code = std::make_error_code(std::errc::permission_denied)};
   }
