@@ -38,7 +38,8 @@ Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
                               remedy_for(code.value(), "free some memory"),
                    .code = code};
   }
-  auto listener = UnixListener::open(*folder + "/" + feed_name(options.of.port), kSocketRights);
+  const std::string name = options.name.empty() ? feed_name(options.of.port) : options.name;
+  auto listener = UnixListener::open(*folder + "/" + name, kSocketRights);
   if (!listener) return listener.failure();
   options.of.lease = FeedDesk::kLease;
   options.of.steerable = static_cast<bool>(options.steering.drive);

@@ -28,6 +28,7 @@ struct RobotOptions;
 
 struct FeedOptions {
   FeedIdentity of{};
+  std::string name{};  // of its socket; empty: by the port
   FeedSteering steering{};
   sim::Server* create = nullptr;      // that is driven, or null; outlives the feed
   const sim::World* world = nullptr;  // likewise

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hal/cli/terminal/print.hpp"
+#include "hal/feed/feed_place.hpp"
 #include "hal/sim/remote/control_socket.hpp"
 #include "oi/dialect.hpp"
 
@@ -16,6 +17,8 @@ hal::Result<SimView> SimView::open(hal::sim::Server& robot, const hal::sim::Worl
                                   .is_virtual = true,
                                   .baud = oi::kCreate.default_baud,
                                   .wheel_base_mm = oi::kCreate.wheel_base_mm},
+                           // The port's own name is for the feed of whoever drives it.
+                           .name = hal::feed_name(port) + "-sim",
                            .create = &robot,
                            .world = world};
   options.steering.control = [&robot](std::string_view line) {

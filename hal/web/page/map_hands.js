@@ -18,7 +18,7 @@ export class MapHands {
     this.#listenToPointers();
     map.canvas.addEventListener("keydown", (event) => this.#key(event));
     link.addEventListener("hello", ({ detail }) => {
-      byId("drag").hidden = detail.robot !== "virtual Create" || !detail.steerable;
+      byId("drag").hidden = detail.robot !== "virtual Create";
       if (byId("drag").hidden) this.#setDragging(false);
     });
   }

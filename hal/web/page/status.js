@@ -44,13 +44,14 @@ export class Status {
     const stage = this.stage?.stage ?? "driving";
     const [level, text] = !this.link.up ? ["bad", "not connected, trying again"]
       : stage === "driving" ? ["ok", "connected"]
+      : stage === "simulator" ? ["ok", "simulator"]
       : stage === "bring_up" ? ["warn", "bringing up"]
       : ["bad", stage === "lost" ? "robot lost" : "ended"];
     badge.dataset.level = level;
     setText(badge, text);
     badge.title = this.stage?.text ?? "";
     document.body.classList.toggle("stale", level === "bad");
-    if (this.link.up && stage !== "driving" && this.stage.text) warn(this.stage.text);
+    if (this.link.up && level !== "ok" && this.stage?.text) warn(this.stage.text);
     if (!this.hello) return;
     const { robot, port, program, cargobay } = this.hello;
     setText(byId("robot"), `${robot} on ${port}, ${program} ${cargobay}`);

@@ -12,7 +12,6 @@ export class VirtualCreate {
     this.cells = new Map();
     link.addEventListener("hello", ({ detail }) => {
       byId("virtual").hidden = detail.robot !== "virtual Create";
-      byId("controls").hidden = byId("faults-part").hidden = !detail.steerable;
     });
     link.addEventListener("controls", ({ detail }) => this.#offer(detail));
     link.addEventListener("virtual_create", ({ detail }) => this.#showState(detail.state));
