@@ -1,6 +1,8 @@
 #include "hal/feed/feed.hpp"
 
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -97,6 +99,9 @@ void Feed::report(const std::string& stage, const std::string& text) {
 }
 
 void Feed::run() {
+  // Who opened it may be a real-time thread, which this one would take after.
+  const sched_param ordinary{};
+  (void)pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
   rt::TimePoint next_tick{};
   std::vector<pollfd> sources;
   while (!stopping_.load(std::memory_order_relaxed)) {
