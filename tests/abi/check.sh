@@ -55,6 +55,20 @@ awk '
 run later_header "$work/later" tests/capi/virtual_time.c
 run later_header_control "$work/later" tests/capi/control.c
 
+# The page and what it needs is another program's: these two need what they have always needed.
+base='lib(gpiod|serialport|stdc\+\+|m|gcc_s|c|atomic|pthread|[a-z]*san)\.so.*|ld-linux.*'
+# needs FILE PATTERN: fails if it needs a library that the pattern does not match.
+needs() {
+  local others
+  readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]$/\1/p' > "$work/needed"
+  grep -q '^libc\.so' "$work/needed" || { echo "check.sh: what does $1 need?" >&2; exit 1; }
+  others=$(grep -vxE "$2" "$work/needed") || return 0
+  echo "check.sh: $1 needs another library: ${others//$'\n'/, }" >&2
+  failed=1
+}
+needs "$library" "$base"
+needs "$command" "$base|lib(fmt|ncursesw|tinfo)\.so.*"
+
 if [[ $(uname -m) != x86_64 ]]; then
   echo "no dump of this architecture: not compared"
 elif ! command -v abidiff > /dev/null; then
