@@ -29,7 +29,7 @@ class Steering {
       : request_{std::move(request)}, now_{std::move(now)} {}
 
   // Publishing has paused for so long: it was let go.
-  static constexpr rt::Duration kLetGo = std::chrono::milliseconds{500};
+  static constexpr rt::Duration kLetGo = std::chrono::seconds{2};
 
   // Under which name the lease is taken, and whether from somebody else too. Then the next velocity
   // is tried, also without letting go.
