@@ -24,6 +24,8 @@ namespace cargobay::hal {
 namespace {
 
 constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
+// If the program closes our descriptors, nothing else wakes the thread.
+constexpr rt::Duration kLongestSleep = std::chrono::seconds{10};
 constexpr timespec kBetweenLooks{.tv_sec = 0, .tv_nsec = 15'000'000};
 // Who may connect: the owner; in the folder of a service also its group.
 constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
@@ -33,14 +35,15 @@ constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
 Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
   const auto folder = feed_folder();
   if (!folder) return folder.failure();
-  Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
-  if (wake.number() < 0) {
+  const int made = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  if (made < 0) {
     const std::error_code code{errno, std::generic_category()};
     return Failure{.message = "no eventfd for the feed: " + code.message() + "; " +
                               remedy_for(code.value(), "free some memory"),
                    .code = code};
   }
   const std::string name = options.name.empty() ? feed_name(options.of.port) : options.name;
+  PortDescriptor wake = PortDescriptor::adopt(made);
   auto listener = UnixListener::open(*folder + "/" + name, kSocketRights);
   if (!listener) return listener.failure();
   options.of.lease = FeedDesk::kLease;
@@ -54,7 +57,7 @@ Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
   return feed;
 }
 
-Feed::Feed(FeedOptions options, UnixListener listener, Descriptor wake)
+Feed::Feed(FeedOptions options, UnixListener listener, PortDescriptor wake)
     : options_{std::move(options)},
       tap_{std::make_shared<FeedTap>()},
       listener_{std::move(listener)},
@@ -69,6 +72,7 @@ Feed::~Feed() {
 }
 
 void Feed::wake() const {
+  if (!wake_.still_open()) return;  // the program has closed it: this is a file of its own
   const std::uint64_t one = 1;
   (void)!::write(wake_.number(), &one, sizeof one);  // even if the counter is full, this wakes
 }
@@ -106,7 +110,7 @@ void Feed::run() {
   std::vector<pollfd> sources;
   while (!stopping_.load(std::memory_order_relaxed)) {
     rt::TimePoint now = rt::Clock::now();
-    rt::TimePoint until = rt::TimePoint::max();
+    rt::TimePoint until = now + kLongestSleep;
     if (!clients_.empty()) until = next_tick;
     if (desk_.lease().until()) until = std::min(until, *desk_.lease().until());
     const bool paused = now < accept_again_;
@@ -116,8 +120,7 @@ void Feed::run() {
     for (const auto& client : clients_)
       sources.push_back({.fd = client->descriptor(), .events = client->events(), .revents = 0});
     const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
-    const bool forever = until == rt::TimePoint::max();
-    if (ppoll(sources.data(), sources.size(), forever ? nullptr : &timeout, nullptr) < 0) {
+    if (ppoll(sources.data(), sources.size(), &timeout, nullptr) < 0) {
       const bool refused = errno != EINTR;
       if (refused) nanosleep(&kBetweenLooks, nullptr);
       // So many descriptors are too many, as above a lowered limit of open files: every client is
@@ -125,6 +128,7 @@ void Feed::run() {
       for (pollfd& source : sources) source.revents = refused ? source.events : short{0};
     }
     now = rt::Clock::now();
+    if ((sources[0].revents & POLLNVAL) != 0) break;  // the program has closed it
     std::uint64_t count = 0;
     if (sources[0].revents != 0 && ::read(wake_.number(), &count, sizeof count) > 0) tell_status();
     serve(sources, now);

@@ -17,7 +17,7 @@
 #include "hal/feed/feed_desk.hpp"
 #include "hal/feed/feed_reports.hpp"
 #include "hal/feed/message/messages.hpp"
-#include "hal/file/descriptor.hpp"
+#include "hal/file/port_descriptor.hpp"
 #include "hal/file/unix_listener.hpp"
 #include "hal/result.hpp"
 #include "rt/clock.hpp"
@@ -59,7 +59,7 @@ class Feed {
   void report(const std::string& stage, const std::string& text);
 
  private:
-  Feed(FeedOptions options, UnixListener listener, Descriptor wake);
+  Feed(FeedOptions options, UnixListener listener, PortDescriptor wake);
 
   void run();
   void serve(const std::vector<pollfd>& sources, rt::TimePoint now);
@@ -76,7 +76,7 @@ class Feed {
   FeedOptions options_;
   std::shared_ptr<FeedTap> tap_;
   UnixListener listener_;
-  Descriptor wake_;  // an eventfd: ends the thread's sleep
+  PortDescriptor wake_;  // an eventfd: ends the thread's sleep
   // Belong to the thread.
   FeedDesk desk_;
   FeedReports reports_;

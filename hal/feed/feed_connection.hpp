@@ -14,6 +14,7 @@
 
 #include "hal/feed/message/messages.hpp"
 #include "hal/file/descriptor.hpp"
+#include "hal/file/port_descriptor.hpp"
 
 namespace cargobay::hal {
 
@@ -36,7 +37,9 @@ class FeedConnection {
   static constexpr std::size_t kLongestLine = 4096;
 
   explicit FeedConnection(Descriptor socket, std::uint64_t number)
-      : socket_{std::move(socket)}, number_{number} {}
+      : socket_{std::move(socket)},
+        for_children_{PortDescriptor::borrow(socket_.number())},
+        number_{number} {}
 
   int descriptor() const { return socket_.number(); }
   std::uint64_t number() const { return number_; }
@@ -63,6 +66,7 @@ class FeedConnection {
   void sent(std::size_t bytes);
 
   Descriptor socket_;
+  PortDescriptor for_children_;  // closed in a forked child, or the reader would not see our end
   std::uint64_t number_;
   FeedChoice choice_{};
   std::array<std::uint32_t, kFeedTypes> passed_{};  // of each type, since one was chosen

@@ -96,7 +96,9 @@ Result<UnixListener> UnixListener::open(const std::string& path, mode_t rights) 
 }
 
 UnixListener::UnixListener(std::string path, Descriptor listener)
-    : path_{std::move(path)}, listener_{std::move(listener)} {}
+    : path_{std::move(path)},
+      listener_{std::move(listener)},
+      for_children_{PortDescriptor::borrow(listener_.number())} {}
 
 Result<void> UnixListener::bind_to_path(mode_t rights) {
   constexpr int kTries = 10;  // other processes may come and go at that path
@@ -146,6 +148,7 @@ Descriptor UnixListener::accept() const {
 
 void UnixListener::close() {
   if (listener_.number() < 0) return;
+  for_children_ = PortDescriptor{};
   listener_ = Descriptor{};
   // Leaves alone the socket of another process that has taken the path.
   if (file_.st_ino != 0)

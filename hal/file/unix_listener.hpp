@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hal/file/descriptor.hpp"
+#include "hal/file/port_descriptor.hpp"
 #include "hal/result.hpp"
 
 namespace cargobay::hal {
@@ -38,7 +39,8 @@ class UnixListener {
 
   std::string path_;
   Descriptor listener_;
-  struct stat file_{};  // the socket's own file, at that path
+  PortDescriptor for_children_;  // closed in a forked child, which would seem to listen on
+  struct stat file_{};           // the socket's own file, at that path
 };
 
 // A connection to the socket at the path, as accept() returns them; none (-1) with errno. Never

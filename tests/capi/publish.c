@@ -1,10 +1,12 @@
 /* A robot that a program drives and others watch through its feed (docs/feed.md). */
 #define _GNU_SOURCE
 #include <dirent.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "check.h"
@@ -59,6 +61,7 @@ static void is_watched_from_start_to_close(void) {
   struct cargobay_sim* sim = NULL;
   struct cargobay_robot* robot;
   struct watcher watcher;
+  pid_t child;
   SIZED(cargobay_sim_options, options);
   CHECK(cargobay_sim_open(&options, &sim) == CARGOBAY_OK);
   robot = robot_of(sim, CARGOBAY_FLAG_NO_REALTIME);
@@ -78,10 +81,18 @@ static void is_watched_from_start_to_close(void) {
     CHECK(cargobay_end(robot) == CARGOBAY_OK);
     expect(&watcher, "\"stage\":\"lost\"", "");
   }
+  /* A forked child does not keep the watcher's connection. */
+  child = fork();
+  if (child == 0) {
+    alarm(60);
+    for (;;) pause();
+  }
+  CHECK(child > 0);
   CHECK(cargobay_close(robot) == CARGOBAY_OK);
   expect(&watcher, "\"stage\":\"ended\"", "\"text\":\"\"");
   CHECK(fgetc(watcher.lines) == EOF && feof(watcher.lines));
   fclose(watcher.lines);
+  CHECK(kill(child, SIGKILL) == 0 && waitpid(child, NULL, 0) == child);
   CHECK(!find_socket(path, sizeof path));
   CHECK(cargobay_sim_close(sim) == CARGOBAY_OK);
 }
