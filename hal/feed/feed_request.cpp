@@ -95,17 +95,31 @@ FeedRequest::What drive(Members& members) {
                      .turn_rate_rad_s = members.number("turn_rate_rad_s")}};
 }
 
+// Terminals show it: nothing in it may be a control character. JSON is UTF-8, in which those beyond
+// ASCII are C2 80 to C2 9F.
+bool shows_as_it_is(std::string_view name) {
+  char before = '\0';
+  for (const char byte : name) {
+    const auto code = static_cast<unsigned char>(byte);
+    if (code < 0x20 || code == 0x7F || (before == '\xC2' && code < 0xA0)) return false;
+    before = byte;
+  }
+  return true;
+}
+
+FeedRequest::What hold(Members& members) {
+  Hold wanted{.name = members.text("name", kLongestName), .take = members.truth("take")};
+  if (!shows_as_it_is(wanted.name)) members.wrong("name", "without control characters");
+  return wanted;
+}
+
 struct Row {
   const char* name;
   FeedRequest::What (*read)(Members& members);
 };
 constexpr Row kRequests[] = {
     {"subscribe", subscribe},
-    {"hold",
-     [](Members& members) {
-       return FeedRequest::What{
-           Hold{.name = members.text("name", kLongestName), .take = members.truth("take")}};
-     }},
+    {"hold", hold},
     {"release", [](Members&) { return FeedRequest::What{Release{}}; }},
     {"drive", drive},
     {"stop", [](Members&) { return FeedRequest::What{Stop{}}; }},

@@ -41,6 +41,8 @@ TEST(FeedRequest, KnowsTheRest) {
   EXPECT_EQ(hold.name, "ann");
   EXPECT_TRUE(hold.take);
   EXPECT_FALSE(wanted<feed_request::Hold>(R"({"do":"hold","name":"bob"})").take);
+  EXPECT_EQ(wanted<feed_request::Hold>(R"({"do":"hold","name":"Zo\u00eb \u00a0"})").name,
+            "Zo\xC3\xAB \xC2\xA0");
   (void)wanted<feed_request::Release>(R"({"do":"release"})");
   (void)wanted<feed_request::Stop>(R"({"do":"stop"})");
   (void)wanted<feed_request::Rearm>(R"({"do":"rearm"})");
@@ -102,6 +104,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{R"({"do":"drive","left_mm_s":1e999,"right_mm_s":1})", ""},
                     Wrong{R"({"do":"hold","name":""})", "`name` must be a text of 1 to 64 bytes"},
                     Wrong{R"({"do":"hold","name":"x","take":1})", "`take` must be true or false"},
+                    Wrong{R"({"do":"hold","name":"\u001b[2J"})", "without control characters"},
+                    Wrong{R"({"do":"hold","name":"a\nb"})", "without control characters"},
+                    Wrong{R"({"do":"hold","name":"\u009b2J"})", "without control characters"},
                     Wrong{R"({"do":"subscribe","types":["stat"]})", "`types` must be a list"},
                     Wrong{R"({"do":"subscribe","types":"state"})", "`types` must be a list"},
                     Wrong{R"({"do":"subscribe","every":0})", "`every` must be a number from 1"},
