@@ -61,6 +61,17 @@ TEST(HeldKeys, JoinDirectionsAndObeyTheLatestOfTwoThatContradict) {
   EXPECT_EQ(held.wish(kThen), Wish{});
 }
 
+TEST(StickAfterStop, CountsAgainOnceItWasLetGo) {
+  StickAfterStop stick;
+  const Wish ahead{.forward = 1.0};
+  EXPECT_EQ(stick.of(ahead), ahead);
+  stick.stop();
+  EXPECT_EQ(stick.of(ahead), Wish{});
+  EXPECT_EQ(stick.of({.turn = 1.0}), Wish{}) << "moved, but not let go";
+  EXPECT_EQ(stick.of({}), Wish{});
+  EXPECT_EQ(stick.of(ahead), ahead);
+}
+
 TEST(Wish, NeverAsksAWheelForMoreThanTheSpeed) {
   for (const double forward : {-1.0, -0.4, 0.0, 0.7, 1.0}) {
     for (const double turn : {-1.0, -0.2, 0.0, 0.5, 1.0}) {

@@ -86,7 +86,7 @@ class Teleop {
     if (gamepad_) {
       if (const auto taken = gamepad_->take(now); !taken) return taken;
     }
-    const Wish by_gamepad = gamepad_ ? gamepad_->wish(now) : Wish{};
+    const Wish by_gamepad = stick_.of(gamepad_ ? gamepad_->wish(now) : Wish{});
     const Wish wish = by_gamepad == Wish{} ? keys_.wish(now) : by_gamepad;
     if (wish != Wish{} && before_ == Wish{}) {
       if (const auto asked = begin_to_move(); !asked) return asked;
@@ -104,6 +104,7 @@ class Teleop {
     for (int i = 0; i < kMostReads && !typed().empty(); ++i) continue;
     keys_.let_go();
     if (gamepad_) gamepad_->skip_to_now();
+    stick_.stop();
   }
 
   // Somebody may have stopped the robot, and the lease is free: who moves it now takes it. From
@@ -115,6 +116,7 @@ class Teleop {
 
   hal::Result<void> press(SteeringKey key, rt::TimePoint now) {
     keys_.press(key, now);
+    if (key == SteeringKey::stop) stick_.stop();
     switch (key) {
       case SteeringKey::quit: over_ = true; break;
       case SteeringKey::faster: change_speed(kSpeedStep); break;
@@ -158,6 +160,7 @@ class Teleop {
   std::optional<GamepadHelper> gamepad_{};
   KeyDecoder decoder_{};
   HeldKeys keys_{};
+  StickAfterStop stick_{};
   Wish before_{};
   rt::WheelSpeeds asked_{};
   std::unique_ptr<Screen> screen_{};

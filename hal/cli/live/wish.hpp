@@ -14,6 +14,20 @@ struct Wish {
   friend bool operator==(const Wish&, const Wish&) = default;
 };
 
+// A stick says where it is, not that it was moved: after a stop it counts again once it was let go.
+class StickAfterStop {
+ public:
+  void stop() { stopped_ = true; }
+  // What counts of what the stick asks for now. Call it each time.
+  Wish of(const Wish& asked) {
+    stopped_ = stopped_ && asked != Wish{};
+    return stopped_ ? Wish{} : asked;
+  }
+
+ private:
+  bool stopped_ = false;
+};
+
 // No wheel is faster than `speed_mm_s`. On the spot the robot turns at half of it: at all of it
 // nobody hits an angle. In a curve the outer wheel keeps the speed.
 inline rt::WheelSpeeds speeds_for(const Wish& wish, double speed_mm_s) {
