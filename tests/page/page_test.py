@@ -116,6 +116,33 @@ class Stopping(PageTest):
         self.assert_stops("a blur")
         self.assertIsNotNone(self.feed.holder())
 
+    def test_when_the_end_of_a_key_may_not_be_heard(self):
+        for what in ("new Event('contextmenu')", "new Event('dragstart')",
+                     "new KeyboardEvent('keydown', {key: 'Meta', metaKey: true})"):
+            browser = self.drive(self.page())
+            browser.run(f"dispatchEvent({what})")
+            self.assert_stops(what)
+            self.assertEqual(browser.text("wanted"), "nothing is held")
+            self.assertIsNotNone(self.feed.holder())
+
+    def test_while_the_lease_is_asked_for(self):
+        browser = self.page()
+        browser.run("for (const id of ['hold', 'stop']) document.getElementById(id).click()")
+        until(lambda: browser.text("alert") == "Stopped.", "a stop")
+        until(lambda: browser.text("holder") == "nobody steers", "a page that does not steer")
+        self.assertIsNone(self.feed.holder())
+
+    def test_when_nothing_answers(self):
+        browser = self.drive(self.page())
+        browser.run("""window.swallowed = [];
+            WebSocket.prototype.send = (text) => window.swallowed.push(JSON.parse(text).do);""")
+        self.assert_stops("a network that swallows all")
+        until(lambda: browser.text("wanted") == "nothing is held", "a page that has given up")
+        # Delivered later, they end with this, and take no lease.
+        swallowed = browser.run("return window.swallowed")
+        self.assertEqual(swallowed[-1], "release")
+        self.assertNotIn("hold", swallowed)
+
     def test_when_the_tab_is_hidden(self):
         browser = self.drive(self.page_of_its_own())
         browser.driver.switch_to.new_window("tab")

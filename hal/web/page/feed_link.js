@@ -35,6 +35,7 @@ export class FeedLink extends EventTarget {
     const socket = new WebSocket(this.url);
     this.socket = socket;
     socket.onmessage = ({ data }) => {
+      if (socket !== this.socket) return; // given up, and too late
       for (const line of String(data).split("\n")) if (line) this.#take(line);
     };
     socket.onclose = () => socket === this.socket && this.#lost();

@@ -7,6 +7,7 @@ const kKeys = {
   KeyA: [0, 1], ArrowLeft: [0, 1], KeyD: [0, -1], ArrowRight: [0, -1],
 };
 const kDeadZone = 0.15;
+const kLook_ms = 20;
 const kStopButton = 1; // B on most
 const kTextFields = "input:not([type=range]), textarea, select, [contenteditable]";
 const kPressable = "button, a, summary, [role=button]";
@@ -17,6 +18,8 @@ export class Keys {
     this.down = new Set();
     addEventListener("keydown", (event) => this.#press(event));
     addEventListener("keyup", (event) => this.#release(event));
+    // Menus, and what is dragged, keep the end of a key to themselves.
+    for (const taker of ["contextmenu", "dragstart"]) addEventListener(taker, () => this.#letGo());
     steering.link.addEventListener("let-go", () => this.down.clear());
   }
 
@@ -26,6 +29,8 @@ export class Keys {
       if (!event.repeat) this.steering.stop();
       return;
     }
+    // So do browsers and desktops with what is pressed together with these.
+    if (event.metaKey || event.ctrlKey || event.altKey) this.#letGo();
     if (!this.#drives(event)) return;
     event.preventDefault();
     // A key that was down when the robot was stopped has to be pressed again.
@@ -36,6 +41,12 @@ export class Keys {
 
   #release(event) {
     if (!this.down.delete(event.code)) return;
+    this.#tell();
+  }
+
+  #letGo() {
+    if (this.down.size === 0) return;
+    this.down.clear();
     this.#tell();
   }
 
@@ -109,26 +120,25 @@ export class Stick {
 export class Gamepads {
   constructor(steering) {
     this.steering = steering;
-    this.looking = false;
+    this.timer = null;
     this.free = true; // since the last stop, the sticks have been at rest
     addEventListener("gamepadconnected", () => this.#look());
     addEventListener("gamepaddisconnected", () => steering.want("gamepad", null));
     steering.link.addEventListener("let-go", () => (this.free = false));
   }
 
+  // By a timer, as setpoints are sent: frames on the screen may cease while those go on.
   #look() {
-    if (this.looking) return;
-    this.looking = true;
-    const each = () => {
-      const pads = navigator.getGamepads().filter((pad) => pad?.connected);
-      if (pads.length === 0) {
-        this.looking = false;
+    this.timer ??= setInterval(() => {
+      const pad = navigator.getGamepads().find((each) => each?.connected);
+      if (pad) {
+        this.#read(pad);
         return;
       }
-      this.#read(pads[0]);
-      requestAnimationFrame(each);
-    };
-    requestAnimationFrame(each);
+      clearInterval(this.timer);
+      this.timer = null;
+      this.steering.want("gamepad", null);
+    }, kLook_ms);
   }
 
   #read(pad) {

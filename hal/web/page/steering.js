@@ -12,6 +12,7 @@ export class Steering {
     this.link = link;
     this.hello = null;
     this.holding = false;
+    this.losses = 0; // of the lease, or of the wish to have it
     this.holder = null;
     this.held = new Map(); // what is held, by its source: {forward, turn}, each -1 to 1
     this.timer = null;
@@ -97,13 +98,14 @@ export class Steering {
   // The button says from whom it takes, and only then does it take.
   async #hold() {
     const taken = this.holder;
+    const { losses } = this;
     this.name = byId("name").value.trim() || storedName();
     localStorage.setItem("name", this.name);
     const answer = await this.#ask({ do: "hold", name: this.name, ...(taken && { take: true }) });
     if (!answer.ok) return;
     this.holding = true;
-    if (document.hidden) {
-      this.#giveBack(); // it was hidden while the answer was on its way
+    if (document.hidden || losses !== this.losses) {
+      this.#giveBack(); // it was hidden, or stopped, while the answer was on its way
       return;
     }
     clearInterval(this.renewal);
@@ -142,6 +144,7 @@ export class Steering {
 
   #lostLease() {
     this.holding = false;
+    this.losses += 1;
     clearInterval(this.renewal);
     this.#letGo();
     this.#show();
@@ -157,12 +160,15 @@ export class Steering {
   async #send() {
     const answer = await this.#answerTo({ do: "drive", ...this.wish() });
     if (answer.ok || this.held.size === 0) return;
-    this.#letGo();
+    // What a network has swallowed it may deliver later: nothing that moves follows.
+    if (answer.unanswered) this.#giveBack();
+    else this.#letGo();
     warn(`Not driving: ${answer.error}`);
   }
 
   #answerTo(request) {
-    return this.link.request(request).catch(({ message }) => ({ ok: false, error: message }));
+    return this.link.request(request).catch(({ message }) => (
+      { ok: false, error: message, unanswered: true }));
   }
   async #ask(request) {
     const answer = await this.#answerTo(request);
