@@ -1,5 +1,5 @@
 // The bytes of MCAP, by its specification (https://mcap.dev/spec). Others read whole files in
-// tests/export/others_read_it.py.
+// tests/export/others/others_read_it.py.
 #include "hal/export/mcap_writer.hpp"
 
 #include <cstdint>

@@ -282,6 +282,12 @@ class Faults(unittest.TestCase):
         struct.pack_into("<I", data, end + 9, zlib.crc32(data[:end]))
         self.refused(data, "leads to no message")
 
+    def test_the_length_of_a_message_index(self):
+        data = bytearray(self.sound)
+        at = self.record(0x07) + 9 + 2
+        struct.pack_into("<I", data, at, struct.unpack_from("<I", data, at)[0] - 1)
+        self.refused(data, "not as long as it should be", by_node=False)
+
     def test_the_offset_of_a_message_index(self):
         data = bytearray(self.sound)
         struct.pack_into("<Q", data, self.record(0x08) + 9 + 32 + 4 + 2, 9)

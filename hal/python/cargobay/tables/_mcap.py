@@ -81,6 +81,12 @@ class File:
         self._chunks: dict[int, memoryview] = {}  # by their offset in the file: the messages
         self._indexes: dict[int, tuple[int, int]] = {}  # offset: channel, number of messages
         self.finished = False
+        try:
+            self._read()
+        except struct.error as error:
+            raise Damaged(f"a record is not as long as it should be: {error}") from None
+
+    def _read(self) -> None:
         for offset, opcode, content in _records(self._data, len(MAGIC)):
             if opcode == _CHANNEL:
                 self._add_channel(content)
@@ -101,6 +107,8 @@ class File:
             for offset, opcode, content in _records(chunk, 0):
                 if opcode != _MESSAGE:
                     continue
+                if len(content) < 22:
+                    raise Damaged(f"the message at byte {offset} of a chunk is too short")
                 channel, _, time_ns, _ = struct.unpack_from("<HIQQ", content)
                 if channel not in self._topics:
                     raise Damaged(f"a message is of channel {channel}, which there is not")
