@@ -25,7 +25,10 @@ int main(int argc, char** argv) {
   const std::chrono::seconds for_s{argc > 2 ? std::atoi(argv[2]) : 2};
   // This flag is all that it takes.
   cargobay::Options options{.flags = cargobay::Flag::publish};
-  if (argc > 1) options.port = argv[1];
+  if (argc > 1)
+    options.port = argv[1];
+  else
+    options.flags |= cargobay::Flag::no_config;  // a virtual Create
   auto robot = cargobay::Robot::open(options);
   const auto done = robot ? drive_eights(*robot, for_s) : cargobay::Unexpected{robot.error()};
   if (!done) std::fprintf(stderr, "%s\n", done.error().message);

@@ -13,7 +13,10 @@ EIGHT_S = 8.0
 
 port = sys.argv[1] if len(sys.argv) > 1 else None
 seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 2.0
-with Robot(port, flags=Flag.PUBLISH) as robot:  # this flag is all that it takes
+flags = Flag.PUBLISH  # is all that it takes
+if port is None:
+    flags |= Flag.NO_CONFIG  # a virtual Create
+with Robot(port, flags=flags) as robot:
     robot.start()
     robot.wait()
     while (now_s := robot.state.robot_time_ns / 1e9) < seconds:
