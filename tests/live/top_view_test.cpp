@@ -40,7 +40,8 @@ FeedNews full_news() {
   news.state->mode = oi::Mode::safe;
   news.state->set = {.left_mm_s = -500.0, .right_mm_s = -500.0};
   news.state->estimate = {.left_mm_s = -499.9, .right_mm_s = -499.9};
-  news.truth = FeedTruth{.wheels = {.left_mm_s = -498.8, .right_mm_s = -498.8}};
+  news.truth = FeedTruth{.pose = {.x_mm = 500.0, .y_mm = 1500.0},
+                         .wheels = {.left_mm_s = -498.8, .right_mm_s = -498.8}};
   news.frames = {.good = 123'456, .bad = 12, .lost = 34, .late = 56};
   news.period = FeedDurations{.count = 10,
                               .p50_ns = 15e6,
@@ -70,6 +71,7 @@ TEST(TopView, FillsAnyWindowAndNoMore) {
     }
   }
   const std::string large = shown(top_view(full_news(), {}, {.rows = 60, .columns = 100}), 100);
+  EXPECT_THAT(large, HasSubstr("True   x 0.500 m, y 1.500 m, 0.0 deg"));
   EXPECT_THAT(large, HasSubstr("signal L 0"));
   EXPECT_THAT(large, HasSubstr("38.000 ms"));
   EXPECT_THAT(large, HasSubstr("event 49"));
