@@ -20,7 +20,7 @@ ScreenLine who_steers(const TeleopPicture& picture, const FeedNews& news) {
                          picture.asked.left_mm_s, picture.asked.right_mm_s)}};
   }
   if (news.holder.empty())
-    return {{"Nobody steers", TextStyle::strong}, {"; a key of the arrows takes over"}};
+    return {{"Nobody steers", TextStyle::strong}, {"; an arrow key takes over"}};
   return {{news.holder + " steers", TextStyle::alarm}, {"; t takes it from them, space stops"}};
 }
 
