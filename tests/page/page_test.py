@@ -229,6 +229,14 @@ class Loading(PageTest):
             });""")
         self.assertEqual(lengths, [10, 990, 999, 10, 1980, 1998])
 
+    def test_steers_in_a_browser_that_keeps_nothing(self):
+        browser = self.page_of_its_own()
+        browser.cdp("Page.addScriptToEvaluateOnNewDocument", source="""
+            Object.defineProperty(window, "localStorage", {get() { throw new Error("no"); }});""")
+        browser.open(self.served.url)
+        browser.steer()
+        self.assertEqual(browser.complaints(), [])
+
     def test_what_was_missed_is_said(self):
         browser = self.page()
         browser.driver.execute_async_script("""

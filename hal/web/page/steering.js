@@ -100,7 +100,7 @@ export class Steering {
     const taken = this.holder;
     const { losses } = this;
     this.name = byId("name").value.trim() || storedName();
-    localStorage.setItem("name", this.name);
+    store(this.name);
     const answer = await this.#ask({ do: "hold", name: this.name, ...(taken && { take: true }) });
     if (!answer.ok) return;
     this.holding = true;
@@ -205,8 +205,20 @@ export class Steering {
   }
 }
 
-// A name that nobody else has, so that the holder is known by it.
+// A name that nobody else has, so that the holder is known by it. A browser that keeps nothing
+// makes another one each time.
 function storedName() {
   const made = `browser ${crypto.getRandomValues(new Uint16Array(1))[0].toString(36)}`;
-  return localStorage.getItem("name") || made;
+  try {
+    return localStorage.getItem("name") || made;
+  } catch {
+    return made;
+  }
+}
+function store(name) {
+  try {
+    localStorage.setItem("name", name);
+  } catch {
+    // It is asked for again.
+  }
 }
