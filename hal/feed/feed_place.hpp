@@ -23,8 +23,9 @@ struct FoundFeed {
   std::string name{};  // of the port, as feed_name() makes it
   std::string socket{};
 };
-// The feeds that are published now where this user looks, in the order of the folders; those of dead
-// processes are left out. Whom to trust is_trusted_peer() says.
+// The feeds that are published now where this user looks, in the order of the folders. Those of
+// dead processes are left out, and those of simulators, which are hidden. Whom to trust
+// is_trusted_peer() says.
 std::vector<FoundFeed> find_feeds();
 
 }  // namespace cargobay::hal

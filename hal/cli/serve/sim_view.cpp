@@ -17,8 +17,9 @@ hal::Result<SimView> SimView::open(hal::sim::Server& robot, const hal::sim::Worl
                                   .is_virtual = true,
                                   .baud = oi::kCreate.default_baud,
                                   .wheel_base_mm = oi::kCreate.wheel_base_mm},
-                           // The port's own name is for the feed of whoever drives it.
-                           .name = hal::feed_name(port) + "-sim",
+                           // The port's own name is for the feed of whoever drives it. Hidden:
+                           // who names no port wants a robot that is driven.
+                           .name = "." + hal::feed_name(port) + "-sim",
                            .create = &robot,
                            .world = world};
   options.steering.control = [&robot](std::string_view line) {
