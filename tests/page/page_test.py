@@ -88,6 +88,7 @@ class Driving(PageTest):
 
 class Stopping(PageTest):
     def drive(self, browser):
+        self.control("place 500 1500 0")  # there is room ahead
         browser.steer()
         browser.key("w", down=True)
         self.moved(self.feed.now("truth")["pose"], 60)
