@@ -44,8 +44,8 @@ class Steering {
   const std::string& name() const { return name_; }
   bool takes() const { return takes_; }
 
-  // `refused` is called with the reason if it is not carried out, once until it is let go. False if too many requests have
-  // no answer yet: the feed does not read.
+  // `refused` is called with the reason if it is not carried out, once until it is let go. False if
+  // too many requests have no answer yet: the feed does not read.
   bool drive(const Velocity& velocity, std::function<void(const std::string&)> refused);
   // A request of that kind; `done` is called with its answer.
   bool ask(std::string_view what, Done done);

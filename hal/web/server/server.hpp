@@ -10,8 +10,8 @@
 
 namespace cargobay::web {
 
-// Fewer than the clients of a feed (hal/feed/feed.hpp): others on this machine, who may have to stop
-// the robot, find a place there.
+// Fewer than the clients of a feed (hal/feed/feed.hpp): others on this machine, who may have to
+// stop the robot, find a place there.
 inline constexpr std::size_t kMostWebSockets = 48;
 // Requests whose headers are being read at a time; the next ones wait. One has 5 s.
 inline constexpr unsigned kMostHandshakes = 16;
