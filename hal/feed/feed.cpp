@@ -26,7 +26,7 @@ namespace {
 constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
 // If the program closes our descriptors, nothing else wakes the thread.
 constexpr rt::Duration kLongestSleep = std::chrono::seconds{10};
-constexpr timespec kBetweenLooks{.tv_sec = 0, .tv_nsec = 15'000'000};
+constexpr timespec kPauseIfRefused{.tv_sec = 0, .tv_nsec = 15'000'000};
 // Who may connect: the owner; in the folder of a service also its group.
 constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
 
@@ -122,7 +122,7 @@ void Feed::run() {
     const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
     if (ppoll(sources.data(), sources.size(), &timeout, nullptr) < 0) {
       const bool refused = errno != EINTR;
-      if (refused) nanosleep(&kBetweenLooks, nullptr);
+      if (refused) nanosleep(&kPauseIfRefused, nullptr);
       // So many descriptors are too many, as above a lowered limit of open files: every client is
       // served now and then instead.
       for (pollfd& source : sources) source.revents = refused ? source.events : short{0};

@@ -6,8 +6,6 @@
 
 namespace cargobay::web {
 
-using Json = nlohmann::json;
-
 bool Steering::send(std::string members, Done done) {
   if (unanswered_.size() >= kMostUnanswered) return false;
   const std::uint64_t id = next_id_++;
@@ -17,7 +15,7 @@ bool Steering::send(std::string members, Done done) {
 }
 
 bool Steering::ask(std::string_view what, Done done) {
-  return send("\"do\":" + Json(what).dump(), std::move(done));
+  return send("\"do\":" + nlohmann::json(what).dump(), std::move(done));
 }
 
 bool Steering::drive(const Velocity& velocity, std::function<void(const std::string&)> refused) {
@@ -34,19 +32,20 @@ bool Steering::drive(const Velocity& velocity, std::function<void(const std::str
     return true;
   }
   asks_for_lease_ = true;
-  const Json name(name_);
+  const nlohmann::json name(name_);
   const std::string take = takes_ ? R"(,"take":true)" : "";
-  const bool sent = send(
-      R"("do":"hold","name":)" + name.dump(-1, ' ', true, Json::error_handler_t::replace) + take,
-      [this](const FeedAnswer& answer) {
-        asks_for_lease_ = false;
-        holds_ = answer.ok;
-        if (holds_) {
-          send_velocity();
-        } else {
-          refuse(answer.error);
-        }
-      });
+  const bool sent =
+      send(R"("do":"hold","name":)" +
+               name.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + take,
+           [this](const FeedAnswer& answer) {
+             asks_for_lease_ = false;
+             holds_ = answer.ok;
+             if (holds_) {
+               send_velocity();
+             } else {
+               refuse(answer.error);
+             }
+           });
   if (!sent) asks_for_lease_ = false;
   return sent;
 }
@@ -54,9 +53,9 @@ bool Steering::drive(const Velocity& velocity, std::function<void(const std::str
 void Steering::send_velocity() {
   if (!wanted_) return;
   const Velocity velocity = *std::exchange(wanted_, std::nullopt);
-  const std::string members = R"("do":"drive","velocity_mm_s":)" +
-                              Json(velocity.linear_m_s * 1e3).dump() + R"(,"turn_rate_rad_s":)" +
-                              Json(velocity.angular_rad_s).dump();
+  const std::string members =
+      R"("do":"drive","velocity_mm_s":)" + nlohmann::json(velocity.linear_m_s * 1e3).dump() +
+      R"(,"turn_rate_rad_s":)" + nlohmann::json(velocity.angular_rad_s).dump();
   (void)send(members, [this](const FeedAnswer& answer) {
     if (!answer.ok && holds_) refuse(answer.error);
   });
