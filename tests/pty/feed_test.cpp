@@ -201,7 +201,7 @@ TEST_F(FeedTest, SaysWhatTheRobotWillNotDo) {
   refused({{"do", "send"}, {"command", "full"}}, "for the loop to send");
   refused({{"do", "send"}, {"command", "drive 100 straight"}}, "for the loop to send");
   refused(
-      {{"do", "send"}, {"command", "script { drive 100 straight wait_event bump } play_script"}},
+      {{"do", "send"}, {"command", "script { drive 100 straight; wait_event bump }; play_script"}},
       "without hearing a stop");
   refused({{"do", "send"}, {"command", "hop"}}, "hop");
   refused({{"do", "reset_odometry"}, {"x_mm", 1e300}, {"y_mm", 0}, {"heading_rad", 0}},
