@@ -106,40 +106,46 @@ void Feed::run() {
   // Who opened it may be a real-time thread, which this one would take after.
   const sched_param ordinary{};
   (void)pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
-  rt::TimePoint next_tick{};
   std::vector<pollfd> sources;
   while (!stopping_.load(std::memory_order_relaxed)) {
-    rt::TimePoint now = rt::Clock::now();
-    rt::TimePoint until = now + kLongestSleep;
-    if (!clients_.empty()) until = next_tick;
-    if (desk_.lease().until()) until = std::min(until, *desk_.lease().until());
-    const bool paused = now < accept_again_;
-    if (paused) until = std::min(until, accept_again_);
-    sources = {{.fd = wake_.number(), .events = POLLIN, .revents = 0},
-               {.fd = paused ? -1 : listener_.descriptor(), .events = POLLIN, .revents = 0}};
-    for (const auto& client : clients_)
-      sources.push_back({.fd = client->descriptor(), .events = client->events(), .revents = 0});
-    const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
-    if (ppoll(sources.data(), sources.size(), &timeout, nullptr) < 0) {
-      const bool refused = errno != EINTR;
-      if (refused) nanosleep(&kPauseIfRefused, nullptr);
-      // So many descriptors are too many, as above a lowered limit of open files: every client is
-      // served now and then instead.
-      for (pollfd& source : sources) source.revents = refused ? source.events : short{0};
-    }
-    now = rt::Clock::now();
+    wait(sources);
+    const rt::TimePoint now = rt::Clock::now();
     if ((sources[0].revents & POLLNVAL) != 0) break;  // the program has closed it
     std::uint64_t count = 0;
     if (sources[0].revents != 0 && ::read(wake_.number(), &count, sizeof count) > 0) tell_status();
     serve(sources, now);
     desk_.expire(now);
     tell_holder();
-    if (now >= next_tick && !clients_.empty()) {
-      next_tick = std::max(next_tick + oi::kTick, now);
+    if (now >= next_tick_ && !clients_.empty()) {
+      next_tick_ = std::max(next_tick_ + oi::kTick, now);
       collect(now);
     }
     if (sources[1].revents != 0) accept_client(now);
   }
+  say_farewell();
+}
+
+// Until there is something to do: `sources` are, in order, wake-up, listener, clients.
+void Feed::wait(std::vector<pollfd>& sources) const {
+  const rt::TimePoint now = rt::Clock::now();
+  rt::TimePoint until = clients_.empty() ? now + kLongestSleep : next_tick_;
+  if (desk_.lease().until()) until = std::min(until, *desk_.lease().until());
+  const bool paused = now < accept_again_;
+  if (paused) until = std::min(until, accept_again_);
+  sources = {{.fd = wake_.number(), .events = POLLIN, .revents = 0},
+             {.fd = paused ? -1 : listener_.descriptor(), .events = POLLIN, .revents = 0}};
+  for (const auto& client : clients_)
+    sources.push_back({.fd = client->descriptor(), .events = client->events(), .revents = 0});
+  const timespec timeout = rt::as_timespec(std::max(until - now, rt::Duration::zero()));
+  if (ppoll(sources.data(), sources.size(), &timeout, nullptr) >= 0) return;
+  const bool refused = errno != EINTR;
+  if (refused) nanosleep(&kPauseIfRefused, nullptr);
+  // So many descriptors are too many, as above a lowered limit of open files: every client is
+  // served now and then instead.
+  for (pollfd& source : sources) source.revents = refused ? source.events : short{0};
+}
+
+void Feed::say_farewell() {
   {
     const std::lock_guard lock{mutex_};
     if (stage_ != "lost" && stage_ != "ended") text_.clear();  // it was about what went on

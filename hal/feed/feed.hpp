@@ -62,6 +62,8 @@ class Feed {
   Feed(FeedOptions options, UnixListener listener, PortDescriptor wake);
 
   void run();
+  void wait(std::vector<pollfd>& sources) const;
+  void say_farewell();
   void serve(const std::vector<pollfd>& sources, rt::TimePoint now);
   void accept_client(rt::TimePoint now);
   void remove(std::uint64_t number);
@@ -83,6 +85,7 @@ class Feed {
   std::vector<std::unique_ptr<FeedConnection>> clients_{};
   std::optional<std::string> told_holder_{};
   std::uint64_t sequence_ = 0;       // of the newest message
+  rt::TimePoint next_tick_{};        // when to collect what is new, if somebody listens
   std::uint64_t connected_ = 0;      // clients, ever
   std::uint64_t missed_before_ = 0;  // by clients that are gone
   rt::TimePoint accept_again_{};     // descriptors ran out: accept none before this time
