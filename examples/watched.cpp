@@ -22,7 +22,7 @@ static cargobay::Expected<void> drive_eights(cargobay::Robot& robot, std::chrono
 }
 
 int main(int argc, char** argv) {
-  const std::chrono::seconds for_s{argc > 2 ? std::atoi(argv[2]) : 2};
+  const std::chrono::seconds for_s{argc > 2 ? std::strtol(argv[2], nullptr, 10) : 2};
   // This flag is all that it takes.
   cargobay::Options options{.flags = cargobay::Flag::publish};
   if (argc > 1)

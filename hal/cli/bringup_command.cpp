@@ -86,7 +86,7 @@ int bring_up(const BringupOptions& options) {
   auto stream = open_for_use(record.port, record.baud);
   if (!stream) return fail(stream.failure());
 
-  const oi::Mode mode = *oi::value_named<oi::Mode>(options.mode);  // checked
+  const auto mode = oi::value_named<oi::Mode>(options.mode).value_or(oi::Mode::safe);  // checked
   auto duty = hal::Duty::begin(**stream, {}, 0);
   if (!duty) return fail(duty.failure());
   std::optional<int> signal;

@@ -136,6 +136,7 @@ int main(int argc, char** argv) {
     const std::vector<std::string> copies{arguments.begin(), arguments.end()};
     hide_token(arguments);
     std::vector<const char*> words;
+    words.reserve(copies.size());
     for (const std::string& copy : copies) words.push_back(copy.c_str());
     return run(std::move(words));
   } catch (const std::exception& error) {

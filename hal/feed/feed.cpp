@@ -89,8 +89,12 @@ void Feed::follow(Robot& robot) {
 }
 
 void Feed::leave() {
-  const std::lock_guard lock{mutex_};
-  robot_ = nullptr;
+  {
+    const std::lock_guard lock{mutex_};
+    robot_ = nullptr;
+  }
+  robot_left_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
+  wake();
 }
 
 void Feed::report(const std::string& stage, const std::string& text) {
@@ -113,6 +117,8 @@ void Feed::run() {
     if ((sources[0].revents & POLLNVAL) != 0) break;  // the program has closed it
     std::uint64_t count = 0;
     if (sources[0].revents != 0 && ::read(wake_.number(), &count, sizeof count) > 0) tell_status();
+    // Whoever steered asks again: what drives next is not the loop that they steered.
+    if (robot_left_.exchange(false, std::memory_order_relaxed)) desk_.revoke();
     serve(sources, now);
     desk_.expire(now);
     tell_holder();

@@ -53,6 +53,7 @@ class Feed {
   // The functions below are for any thread. They lock, and wait for a message being made.
 
   // Tells of this robot until leave(), which comes before the robot's end.
+  // Then nobody has the lease any longer.
   void follow(Robot& robot);
   void leave();
   // For people: `stage` is one of docs/feed.md.
@@ -94,6 +95,7 @@ class Feed {
   Robot* robot_ = nullptr;
   std::string stage_ = "bring_up";
   std::string text_{};
+  std::atomic<bool> robot_left_{false};  // since the thread last looked
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -114,6 +114,10 @@ void FeedDesk::leave(Lease::Client client) {
   if (lease_.release(client)) stop();
 }
 
+void FeedDesk::revoke() {
+  if (lease_.revoke()) stop();
+}
+
 void FeedDesk::expire(rt::TimePoint now) {
   if (lease_.expire(now)) stop();
 }

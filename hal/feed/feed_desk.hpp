@@ -37,6 +37,8 @@ class FeedDesk {
   std::optional<std::string> hear(FeedConnection& client, std::string_view line, rt::TimePoint now);
   // The client is gone.
   void leave(Lease::Client client);
+  // Nobody has the lease any longer.
+  void revoke();
   // Call it at the time of lease().until().
   void expire(rt::TimePoint now);
 

@@ -104,7 +104,7 @@ Result<void> FeedReader::ask(std::string_view request) {
   for (std::string_view rest = line; !rest.empty();) {
     const ssize_t count =
         send(socket_.number(), rest.data(), rest.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (count > 0) {
+    if (count >= 0) {
       rest.remove_prefix(static_cast<std::size_t>(count));
     } else if (errno == EAGAIN) {
       if (!wait_for(socket_.number(), POLLOUT, deadline)) return ended();

@@ -16,6 +16,7 @@
 
 #include "drive_fixture.hpp"
 #include "hal/feed/feed_reader.hpp"
+#include "hal/sim/remote/fault_command.hpp"
 
 namespace cargobay::test {
 namespace {
@@ -269,6 +270,24 @@ TEST_F(FeedTest, AClientThatDoesNotReadMissesOnlyItsOwn) {
   });
   EXPECT_GT(told, 0U);
   EXPECT_EQ(gaps, told);
+}
+
+TEST_F(FeedTest, WhoSteeredTheFormerLoopDoesNotSteerTheNext) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  drive_until_it_moves(watcher);
+  server_->with_cable([](hal::sim::Cable& cable) {
+    ASSERT_EQ(hal::sim::apply_fault("stalled-stream 1500", cable), "");
+  });
+  const auto stage = [](const char* name) {
+    return [name](const json& message) { return message.value("stage", "") == name; };
+  };
+  EXPECT_EQ(watcher.next(stage("lost"))["type"], "status");
+  EXPECT_EQ(watcher.next(stage("driving"))["type"], "status") << "it is brought up again";
+  EXPECT_THAT(watcher.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["error"],
+              HasSubstr("hold"));
+  EXPECT_TRUE(comes_to_stand());
 }
 
 TEST_F(FeedTest, RefusesMoreThanItsMost) {
