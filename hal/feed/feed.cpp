@@ -30,6 +30,15 @@ constexpr timespec kPauseIfRefused{.tv_sec = 0, .tv_nsec = 15'000'000};
 // Who may connect: the owner; in the folder of a service also its group.
 constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
 
+Result<UnixListener> listen_in(const std::string& folder, const std::string& name) {
+  const std::string path = folder + "/" + name;
+  auto listener = UnixListener::open(path, kSocketRights);
+  const bool gone = !listener && listener.failure().code == std::errc::no_such_file_or_directory;
+  // The last feed in the folder may just have ended, and removed it.
+  if (gone && feed_folder()) return UnixListener::open(path, kSocketRights);
+  return listener;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
@@ -44,7 +53,7 @@ Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
   }
   const std::string name = options.name.empty() ? feed_name(options.of.port) : options.name;
   PortDescriptor wake = PortDescriptor::adopt(made);
-  auto listener = UnixListener::open(*folder + "/" + name, kSocketRights);
+  auto listener = listen_in(*folder, name);
   if (!listener) return listener.failure();
   options.of.lease = FeedDesk::kLease;
   options.of.steerable = static_cast<bool>(options.steering.drive);
@@ -69,6 +78,9 @@ Feed::~Feed() {
   stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it
   wake();
   if (thread_.joinable()) thread_.join();
+  const std::string path = listener_.path();
+  listener_.close();
+  leave_folder(path.substr(0, path.rfind('/')));
 }
 
 void Feed::wake() const {

@@ -98,6 +98,14 @@ Result<std::string> feed_folder() {
                  .code = std::make_error_code(std::errc::permission_denied)};
 }
 
+void leave_folder(const std::string& folder) {
+  // These are there for more than one feed.
+  if (environment("CARGOBAY_FEED_DIR") == folder) return;
+  const auto of_service = environment("RUNTIME_DIRECTORY");
+  if (of_service && of_service->substr(0, of_service->find(':')) == folder) return;
+  (void)rmdir(folder.c_str());  // unless others publish there too
+}
+
 bool is_trusted_peer(int socket, const std::string& path) {
   ucred peer{};
   socklen_t size = sizeof peer;

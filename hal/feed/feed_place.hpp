@@ -15,6 +15,9 @@ std::string feed_name(const std::string& port);
 // used and what to do. Reads the environment; blocks for the file system.
 Result<std::string> feed_folder();
 
+// Removes the folder if feed_folder() may have made it and nothing is in it any longer.
+void leave_folder(const std::string& folder);
+
 // Whether what listens at `path`, the other end of `socket`, is a process of this user, of root, or
 // of the user whom root has given the folder of the service, /run/cargobay.
 bool is_trusted_peer(int socket, const std::string& path);

@@ -21,7 +21,6 @@ namespace {
 
 using hal::sim::test::eventually;
 using testing::HasSubstr;
-using testing::Not;
 using testing::StartsWith;
 
 class SendTool : public RobotTool {};
