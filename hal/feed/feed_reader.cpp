@@ -62,10 +62,14 @@ Result<FeedReader> FeedReader::attach(const std::string& port) {
   Descriptor socket = connect_to(*path);
   if (socket.number() < 0) {
     const std::error_code code{errno, std::generic_category()};
-    return Failure{.message = "cannot attach to " + *path + ": " + code.message(), .code = code};
+    return Failure{.message = "cannot attach to " + *path + ": " + code.message() +
+                              "; run this as the user who drives, or try again in a moment",
+                   .code = code};
   }
   if (!is_trusted_peer(socket.number(), *path)) {
-    return Failure{.message = *path + " belongs to another user's process, which is not trusted",
+    return Failure{.message = *path +
+                              " belongs to another user's process, which is not trusted; "
+                              "run this as that user, or drive as yourself",
                    .code = std::make_error_code(std::errc::permission_denied)};
   }
   return FeedReader{*path, std::move(socket)};

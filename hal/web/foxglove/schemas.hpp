@@ -9,7 +9,7 @@ namespace cargobay::web {
 // Of the feed's messages of that type (docs/feed.md). Permits more members than it names.
 std::string feed_schema(std::string_view type);
 
-// foxglove.SceneUpdate: what of it drawn.hpp makes.
+// foxglove.SceneUpdate, as far as drawn.hpp makes it.
 std::string scene_update_schema();
 
 }  // namespace cargobay::web
