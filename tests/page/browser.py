@@ -15,21 +15,25 @@ PHONE = (360, 740)
 
 
 class Browser:
-    def __init__(self, size=DESKTOP, dark=False, slower=1):
+    def __init__(self, slower=1, **appearance):
         options = webdriver.ChromeOptions()
         options.binary_location = "/usr/bin/chromium"
         for argument in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage",
-                         f"window-size={size[0]},{size[1]}"):
+                         f"window-size={DESKTOP[0]},{DESKTOP[1]}"):
             options.add_argument(f"--{argument}")
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        self.cdp("Emulation.setCPUThrottlingRate", rate=slower)
+        self.appear(**appearance)
+
+    def appear(self, size=DESKTOP, dark=False):
+        """As a desktop or a phone, light or dark."""
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.cdp("Emulation.setEmulatedMedia", features=[scheme])
-        self.cdp("Emulation.setCPUThrottlingRate", rate=slower)
-        if size == PHONE:
-            self.cdp("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
-                     deviceScaleFactor=2, mobile=True)
-            self.cdp("Emulation.setTouchEmulationEnabled", enabled=True)
+        phone = size == PHONE
+        self.cdp("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
+                 deviceScaleFactor=2 if phone else 1, mobile=phone)
+        self.cdp("Emulation.setTouchEmulationEnabled", enabled=phone)
 
     def cdp(self, command, **arguments):
         return self.driver.execute_cdp_cmd(command, arguments)

@@ -1,7 +1,6 @@
 """What the tests of the page share: a server, browsers, and a client of the feed that sees the same
 robot from elsewhere."""
 
-import json
 import pathlib
 import shutil
 import subprocess
@@ -16,7 +15,7 @@ build = None  # the folder of the programs, set by who runs the tests
 
 
 class PageTest(unittest.TestCase):
-    """One server for all, one browser for each."""
+    """One server and one browser for all tests of a class."""
 
     slower = 1
 
@@ -24,26 +23,24 @@ class PageTest(unittest.TestCase):
     def setUpClass(cls):
         cls.served = Served(build)
         cls.addClassCleanup(cls.served.close)
-        cls.browsers = {}
-        cls.addClassCleanup(lambda: [each.close() for each in cls.browsers.values()])
+        cls.browser = Browser(slower=cls.slower)
+        cls.addClassCleanup(cls.browser.close)
 
     def setUp(self):
         self.feed = self.served.feed()
         self.addCleanup(lambda: self.feed.close())
         self.feed.ask({"do": "stop"})
 
-    def page(self, **options):
-        """In a browser that is kept for the next test."""
-        kind = json.dumps(options)
-        if kind not in self.browsers:
-            self.browsers[kind] = Browser(slower=self.slower, **options)
-        browser = self.browsers[kind]
-        browser.open(self.served.url)
-        self.addCleanup(browser.leave)
-        return browser
+    def page(self, **appearance):
+        """In the browser of all tests; it leaves the page that it showed before."""
+        self.browser.leave()
+        self.browser.appear(**appearance)
+        self.browser.open(self.served.url)
+        self.addCleanup(self.browser.leave)
+        return self.browser
 
-    def page_of_its_own(self):
-        browser = Browser(slower=self.slower)
+    def page_of_its_own(self, **appearance):
+        browser = Browser(slower=self.slower, **appearance)
         self.addCleanup(browser.close)
         browser.open(self.served.url)
         return browser

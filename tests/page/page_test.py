@@ -105,7 +105,7 @@ class Stopping(PageTest):
 
     def test_from_a_page_that_does_not_steer(self):
         self.drive(self.page())
-        other = self.page(size=PHONE)
+        other = self.page_of_its_own(size=PHONE)
         self.assertIn("steers", other.text("holder"))
         other.click("#stop")
         self.assert_stops("another page's stop")
