@@ -44,7 +44,7 @@ report() {
   (($2 != 77)) || verdict=skipped
   printf '%-22s %-7s %4d s, processor %4d s  %s\n' "$1" "$verdict" "$3" "$4" "$5"
   (($2 == 0)) || grep -avE '^ +Start +[0-9]+: | Passed +[0-9.]+ sec$' "$logs/$1.log" |
-    tail -n "${6:-40}" | sed 's/^/    /' || true
+    tail -n 40 | sed 's/^/    /' || true
 }
 
 # count NAME STATUS SECONDS PROCESSOR: as one check.
@@ -115,9 +115,23 @@ tests() {
   passed=$((passed + total - bad - idle)) failed=$((failed + bad)) skipped=$((skipped + idle))
   processor
   report "$name" "$status" $((SECONDS - begin)) $((used - before)) \
-    "$((total - bad - idle)) passed, $bad failed, $idle skipped" 80
+    "$((total - bad - idle)) passed, $bad failed, $idle skipped"
+  ((status == 0)) || said_by_failed "$logs/$name.log"
   grep -ahoE '^again: .*' "$junit" | sed -E 's/^again: (.*gtest_filter=)?/    again: /; s/ --gtest[^ :]*//g' || true
   ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$name.log" | sort -u | sed 's/^/    /'
+}
+
+# said_by_failed LOG: of ctest, the last lines of each test that failed.
+said_by_failed() {
+  awk '
+    function tell(  i) {
+      for (i = count > 60 ? count - 60 : 0; i < count; ++i) print "    " said[i]
+      count = 0
+    }
+    /^ +Start +[0-9]+: |^ *[0-9]+\/[0-9]+ Test +#|^[0-9]+% tests passed/ { tell(); failed = 0 }
+    /\*\*\*(Failed|Timeout|Exception|Not Run)/ { failed = 1 }
+    failed { said[count++] = $0 }
+    END { tell() }' "$1"
 }
 
 # build PRESET [CMAKE-ARGUMENT...]
