@@ -56,6 +56,7 @@ if [[ ! -x $root/bin/bash ]]; then
   rm -f "$log"
 fi
 cp /etc/resolv.conf "$root/etc/resolv.conf"
+[[ -e $root/etc/hosts ]] || echo "127.0.0.1 localhost" > "$root/etc/hosts"
 
 # The tree, without what a build left behind.
 rm -rf "$root/src/cargobay"

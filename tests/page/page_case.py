@@ -2,14 +2,16 @@
 robot from elsewhere."""
 
 import pathlib
-import shutil
-import subprocess
+import sys
 import unittest
 
 from browser import Browser
 from served import Served, until
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent / "npm"))
+import npm_packages  # noqa: E402
+
 NEAR_MM = 50
 build = None  # the folder of the programs, set by who runs the tests
 
@@ -90,14 +92,6 @@ class PageTest(unittest.TestCase):
     def axe(self):
         """The checker of roles and contrast; skips the test without npm or a registry."""
         folder = build / "tests/page_npm"
-        script = folder / "node_modules/axe-core/axe.min.js"
-        if not script.exists():
-            folder.mkdir(parents=True, exist_ok=True)
-            for name in ("package.json", "package-lock.json"):
-                (folder / name).write_bytes((HERE / name).read_bytes())
-            npm = shutil.which("npm") or self.skipTest("npm is missing")
-            done = subprocess.run([npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
-                                  cwd=folder, capture_output=True, text=True, check=False)
-            if done.returncode != 0:
-                self.skipTest(f"npm ci: {done.stderr[-300:]}")
-        return script.read_text()
+        if reason := npm_packages.missing(HERE, folder):
+            self.skipTest(reason)
+        return (folder / "node_modules/axe-core/axe.min.js").read_text()

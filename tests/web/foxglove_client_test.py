@@ -12,7 +12,8 @@ import tempfile
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, HERE)
+sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "npm")]
+import npm_packages  # noqa: E402
 from fake_feed import FakeFeed  # noqa: E402
 from web_client import Server  # noqa: E402
 
@@ -24,19 +25,11 @@ DRAWN = {"/odometry/pose": "foxglove.PoseInFrame", "/odometry/path": "foxglove.P
 
 
 def install(folder):
-    if not shutil.which("node") or not shutil.which("npm"):
-        print("node and npm are missing: .ci/packages.sh test")
+    manifests = os.path.join(HERE, "npm")
+    if reason := npm_packages.missing(manifests, folder):
+        print(reason)
         sys.exit(77)
-    os.makedirs(folder, exist_ok=True)
-    for name in ("package.json", "package-lock.json", "client.mjs"):
-        shutil.copy(os.path.join(HERE, "npm", name), folder)
-    if os.path.isdir(os.path.join(folder, "node_modules", "@foxglove", "ws-protocol")):
-        return
-    done = subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], cwd=folder,
-                          capture_output=True, text=True)
-    if done.returncode:
-        print("npm ci:", done.stderr[-500:])
-        sys.exit(77)
+    shutil.copy(os.path.join(manifests, "client.mjs"), folder)
 
 
 def check(condition, what):

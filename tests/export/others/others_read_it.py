@@ -30,7 +30,8 @@ TOPICS = ("states", "sensors", "events", "commands")
 BUILD = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/dev").resolve()
 os.environ["CARGOBAY_LIBRARY"] = str(BUILD / "libcargobay.so.0")
 os.environ["CARGOBAY_COMMAND"] = str(BUILD / "cargobay")
-sys.path.insert(0, str(ROOT / "hal/python"))
+sys.path[:0] = [str(ROOT / "hal/python"), str(ROOT / "tests/npm")]
+import npm_packages  # noqa: E402
 
 FOLDER = pathlib.Path(tempfile.mkdtemp())
 MODULES = BUILD / "tests/export_npm"
@@ -56,22 +57,8 @@ def node(*words):
 
 
 def install_modules():
-    """What the lock file names, once."""
-    if shutil.which("npm") is None or shutil.which("node") is None:
-        print("SKIPPED: npm and node are missing: apt-get install nodejs npm")
-        sys.exit(SKIPPED)
-    MODULES.mkdir(parents=True, exist_ok=True)
-    for name in ("package.json", "package-lock.json"):
-        wanted = (HERE / name).read_bytes()
-        there = MODULES / name
-        if not there.exists() or there.read_bytes() != wanted:
-            shutil.rmtree(MODULES / "node_modules", ignore_errors=True)
-            there.write_bytes(wanted)
-    if (MODULES / "node_modules/.package-lock.json").exists():
-        return
-    done = run("npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", cwd=MODULES)
-    if done.returncode != 0:
-        print(f"SKIPPED: npm ci: {done.stderr.strip()[-300:]}")
+    if reason := npm_packages.missing(HERE, MODULES):
+        print(f"SKIPPED: {reason}")
         sys.exit(SKIPPED)
 
 
