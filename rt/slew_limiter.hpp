@@ -20,8 +20,6 @@ class SlewLimiter {
     double acceleration_mm_s2 = 1000.0;  // above 0; of the wheel that changes more
     double jerk_mm_s3 = 0.0;             // how fast the acceleration may grow; 0: at once
   };
-  // At which wheels are slowed down that nobody steers, if their limit is not higher.
-  static constexpr double kBrakeMmS2 = 1000.0;
 
   explicit SlewLimiter(const Limits& limits) : limits_{limits} {}
 
@@ -33,16 +31,23 @@ class SlewLimiter {
 
   // One step of `step_s` seconds towards the target. Returns the speeds to follow.
   WheelSpeeds step(const WheelSpeeds& target, double step_s) CARGOBAY_NONBLOCKING {
-    return change(target, step_s, [&](double way_mm_s, double rate_mm_s2) CARGOBAY_NONBLOCKING {
-      return most_change(way_mm_s, rate_mm_s2, step_s);
-    });
-  }
-  // One step towards standstill, for wheels that nobody steers: however gentle the limits, the
-  // robot does not roll far.
-  WheelSpeeds brake(double step_s) CARGOBAY_NONBLOCKING {
-    const double most_mm_s = std::max(limits_.acceleration_mm_s2, kBrakeMmS2) * step_s;
-    return change({}, step_s,
-                  [most_mm_s](double, double) CARGOBAY_NONBLOCKING { return most_mm_s; });
+    const double left_mm_s = target.left_mm_s - speeds_.left_mm_s;
+    const double right_mm_s = target.right_mm_s - speeds_.right_mm_s;
+    const bool left_leads = std::abs(left_mm_s) >= std::abs(right_mm_s);
+    const double way_mm_s = left_leads ? left_mm_s : right_mm_s;
+    const double rate_mm_s2 = left_leads ? rates_.left_mm_s : rates_.right_mm_s;
+    const double most_mm_s = most_change(way_mm_s, rate_mm_s2, step_s);
+    const WheelSpeeds former = speeds_;
+    // Adding the difference could miss the target by a rounding error.
+    if (std::abs(way_mm_s) <= most_mm_s) {
+      speeds_ = target;
+    } else {
+      const double part = most_mm_s / std::abs(way_mm_s);
+      speeds_ = {former.left_mm_s + part * left_mm_s, former.right_mm_s + part * right_mm_s};
+    }
+    rates_ = {(speeds_.left_mm_s - former.left_mm_s) / step_s,
+              (speeds_.right_mm_s - former.right_mm_s) / step_s};
+    return speeds_;
   }
   // Where step() would be `seconds` later, if the target stayed. Changes nothing.
   SlewLimiter ahead(const WheelSpeeds& target, double seconds, double step_s) const
@@ -59,28 +64,6 @@ class SlewLimiter {
   const WheelSpeeds& rates() const CARGOBAY_NONBLOCKING { return rates_; }
 
  private:
-  template <typename Most>
-  WheelSpeeds change(const WheelSpeeds& target, double step_s, const Most& most)
-      CARGOBAY_NONBLOCKING {
-    const double left_mm_s = target.left_mm_s - speeds_.left_mm_s;
-    const double right_mm_s = target.right_mm_s - speeds_.right_mm_s;
-    const bool left_leads = std::abs(left_mm_s) >= std::abs(right_mm_s);
-    const double way_mm_s = left_leads ? left_mm_s : right_mm_s;
-    const double rate_mm_s2 = left_leads ? rates_.left_mm_s : rates_.right_mm_s;
-    const double most_mm_s = most(way_mm_s, rate_mm_s2);
-    const WheelSpeeds former = speeds_;
-    // Adding the difference could miss the target by a rounding error.
-    if (std::abs(way_mm_s) <= most_mm_s) {
-      speeds_ = target;
-    } else {
-      const double part = most_mm_s / std::abs(way_mm_s);
-      speeds_ = {former.left_mm_s + part * left_mm_s, former.right_mm_s + part * right_mm_s};
-    }
-    rates_ = {(speeds_.left_mm_s - former.left_mm_s) / step_s,
-              (speeds_.right_mm_s - former.right_mm_s) / step_s};
-    return speeds_;
-  }
-
   // The greatest change towards the target in this step, unsigned.
   double most_change(double way_mm_s, double rate_mm_s2, double step_s) const CARGOBAY_NONBLOCKING {
     const double most_mm_s = limits_.acceleration_mm_s2 * step_s;

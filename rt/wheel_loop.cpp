@@ -116,10 +116,9 @@ double WheelLoop::reachable_part(const WheelSpeeds& set, const WheelSpeeds& targ
   return part;
 }
 
-WheelSpeeds WheelLoop::step(const WheelSpeeds& target, Steering steering) CARGOBAY_NONBLOCKING {
+WheelSpeeds WheelLoop::control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
   const double tick_s = parameters_.estimator.tick_s;
-  const WheelSpeeds set =
-      steering == Steering::nobody ? slew_.brake(tick_s) : slew_.step(target, tick_s);
+  const WheelSpeeds set = slew_.step(target, tick_s);
   part_ = reachable_part(set, target);
   given_ = {part_ * set.left_mm_s, part_ * set.right_mm_s};
   limited_ = {.speed = part_ < 1.0, .acceleration = set != target};

@@ -49,11 +49,12 @@ class WheelLoop {
   // ... and then this, once. Returns the command for the wheels, whole mm/s within the robot's
   // range. When the acceleration limit has brought the set speed to a target of 0, the command is
   // exactly 0.
-  WheelSpeeds control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
-    return step(target, Steering::program);
+  WheelSpeeds control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING;
+  // The same for wheels that nobody steers: they are told to stand, however gentle the limits.
+  WheelSpeeds stand() CARGOBAY_NONBLOCKING {
+    slew_.reset({});
+    return control({});
   }
-  // The same for wheels that nobody steers: slows them down as SlewLimiter::brake() does.
-  WheelSpeeds brake() CARGOBAY_NONBLOCKING { return step({}, Steering::nobody); }
   // The command could not be sent: the previous one still acts.
   void not_sent(const WheelSpeeds& former) CARGOBAY_NONBLOCKING { command_ = former; }
   // The command may act a tick later than one sent in time.
@@ -83,8 +84,6 @@ class WheelLoop {
   Axes next_reads() CARGOBAY_NONBLOCKING;
 
  private:
-  enum class Steering : bool { nobody, program };
-  WheelSpeeds step(const WheelSpeeds& target, Steering steering) CARGOBAY_NONBLOCKING;
   double answer(const VelocityController::Wish& wish, const VelocityController::Wheel& wheel) const
       CARGOBAY_NONBLOCKING;
   double proportional() const CARGOBAY_NONBLOCKING;

@@ -239,7 +239,7 @@ CyclePass::Step CyclePass::control(CycleState& state) CARGOBAY_NONBLOCKING {
 
   state.setpoint_lapsed = wanted.kind() == ControlAnswer::Kind::stand;
   state.target = wanted.speeds();
-  state.command = state.setpoint_lapsed ? loop_.brake() : loop_.control(state.target);
+  state.command = state.setpoint_lapsed ? loop_.stand() : loop_.control(state.target);
   state.set = loop_.set();
   see_limits(state);
   const FrameList list = next_list();

@@ -231,8 +231,6 @@ TEST(StatedValues, OfTheSentencesOfTheHeader) {
       "-" + most + " to " + most + " each",
       "left_mm_s, right_mm_s -" + most + " to " + most + ".",
       "beyond " + most + " mm/s, the wheels stop",
-      "from " + most + " mm/s it takes half a second",
-      "by " + number(rt::SlewLimiter::kBrakeMmS2) + " mm/s^2, or",
       "The newest " + std::to_string(kMostEvents) + " are kept and",
       "in a queue of " + std::to_string(kMostRequests) + " and",
       "beside it: " + std::to_string(spare) + " bytes at 57600 baud, " +

@@ -187,27 +187,6 @@ TEST(SlewLimiter, ResetsPastItsLimits) {
   EXPECT_EQ(rate(limiter), 0.0);
 }
 
-// However gentle the limits: 500 mm/s are gone after half a second.
-TEST(SlewLimiter, BrakesWheelsThatNobodySteers) {
-  for (const double from : {500.0, -500.0}) {
-    SlewLimiter limiter{{.acceleration_mm_s2 = 20.0, .jerk_mm_s3 = 5.0}};
-    limiter.reset({from, 0.4 * from});
-    for (int tick = 0; tick < 33; ++tick) {
-      EXPECT_NE(limiter.speeds().left_mm_s, 0.0);
-      const double former = limiter.speeds().left_mm_s;
-      const WheelSpeeds now = limiter.brake(kPeriod);
-      EXPECT_NEAR(std::abs(now.left_mm_s - former), 15.0, 1e-9);
-      EXPECT_NEAR(now.right_mm_s, 0.4 * now.left_mm_s, 1e-9) << "on the same curve";
-    }
-    EXPECT_EQ(limiter.brake(kPeriod), WheelSpeeds{});
-    EXPECT_EQ(limiter.brake(kPeriod), WheelSpeeds{});
-  }
-  SlewLimiter quick{{.acceleration_mm_s2 = 2000.0}};
-  quick.reset({500.0, 500.0});
-  for (int tick = 0; tick < 17; ++tick) quick.brake(kPeriod);
-  EXPECT_EQ(quick.speeds(), WheelSpeeds{}) << "no gentler than its limit";
-}
-
 // The wheel with the longer way takes all of the limit, and both arrive in the same step.
 TEST(SlewLimiter, LetsBothWheelsArriveTogether) {
   for (const WheelSpeeds& target :

@@ -87,11 +87,10 @@
  * cargobay_wait(); a function that ends it there ends the process.
  *
  * @section stops Stops
- * A stop that nobody steered (a setpoint that lapsed, cargobay_stop(), speeds that no robot can
- * follow) slows each wheel down by 1000 mm/s^2, or by `acceleration_mm_s2` if that is more, and
- * knows no limit of jerk: from 500 mm/s it takes half a second and 125 mm at most. If a wheel is
- * stuck or distance and angle cannot be true, if the robot falls silent, or if the loop ends by
- * itself, the wheels are told to stop at once.
+ * Wheels that nobody steers (a setpoint that lapsed, cargobay_stop(), speeds that no robot can
+ * follow) are told to stop at once, whatever the limits of acceleration and jerk; so they are if
+ * one is stuck or distance and angle cannot be true, if the robot falls silent, or if the loop ends
+ * by itself. To stop gently, drive with a speed of 0 until the robot stands.
  *
  * @section units Units
  * mm, mm/s, rad, rad/s and ns; sensor packets have the units of the manual. x points ahead, y to
