@@ -15,11 +15,11 @@ PHONE = (360, 740)
 
 
 class Browser:
-    def __init__(self, slower=1, **appearance):
+    def __init__(self, slower=1, arguments=(), **appearance):
         options = webdriver.ChromeOptions()
         options.binary_location = "/usr/bin/chromium"
         for argument in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage",
-                         f"window-size={DESKTOP[0]},{DESKTOP[1]}"):
+                         f"window-size={DESKTOP[0]},{DESKTOP[1]}", *arguments):
             options.add_argument(f"--{argument}")
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)

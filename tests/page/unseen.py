@@ -1,14 +1,18 @@
 #!/usr/bin/python3
 """How soon the robot is told to stop when the page that drives it is no longer looked at: hidden,
-closed, killed, or asleep (a telephone, a network that is cut, a client that stops reading).
+closed, killed, asleep as a telephone is, behind a network that was cut; and when a client of the
+feed's own socket stands still, neither reading nor writing.
 
 usage: tests/page/unseen.py BUILD [TIMES]   prints a table; exit 1 if one took longer than allowed
 """
 
 import os
+import selectors
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 
 from browser import Browser
@@ -37,6 +41,49 @@ def send(victims, what):
             pass
 
 
+class Network(threading.Thread):
+    """Between browser and server, until it is cut: then nothing passes, and nobody is told."""
+
+    def __init__(self, server):
+        super().__init__(daemon=True)
+        self.server = server
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        self.selector = selectors.DefaultSelector()
+        self.selector.register(self.listener, selectors.EVENT_READ)
+        self.whole = True
+        self.start()
+
+    def run(self):
+        others = {}
+        while self.whole:
+            for key, _ in self.selector.select(0.2):
+                if key.fileobj is self.listener:
+                    pair = self.listener.accept()[0], socket.create_connection(self.server)
+                    others[pair[0]], others[pair[1]] = pair[1], pair[0]
+                    for each in pair:
+                        self.selector.register(each, selectors.EVENT_READ)
+                elif self.whole and key.fileobj in others:
+                    self.pass_on(key.fileobj, others)
+        self.kept = others  # neither end is closed
+
+    def pass_on(self, end, others):
+        try:
+            data = end.recv(1 << 16)
+            others[end].sendall(data)
+        except OSError:
+            data = b""
+        if data:
+            return
+        for each in (end, others[end]):
+            self.selector.unregister(each)
+            del others[each]
+            each.close()
+
+    def cut(self):
+        self.whole = False
+
+
 # The browser takes its time to hide or close a page: when it was, the page itself notes.
 NOTE = """for (const event of ["visibilitychange", "pagehide"]) addEventListener(event, () =>
     localStorage.setItem("unseen", localStorage.getItem("unseen") ?? Date.now()), true);"""
@@ -51,18 +98,29 @@ def noted(browser, served, page):
 
 # What happens to the page.
 HAPPENINGS = {
-    "hidden": lambda driver, _: driver.switch_to.new_window("tab"),
-    "closed": lambda driver, _: driver.close(),
-    "killed": lambda _, victims: send(victims, signal.SIGKILL),
-    "asleep": lambda _, victims: send(victims, signal.SIGSTOP),
+    "hidden": lambda driver, _victims, _network: driver.switch_to.new_window("tab"),
+    "closed": lambda driver, _victims, _network: driver.close(),
+    "killed": lambda _driver, victims, _network: send(victims, signal.SIGKILL),
+    "asleep": lambda _driver, victims, _network: send(victims, signal.SIGSTOP),
+    "cut off": lambda _driver, _victims, network: network.cut(),
 }
+STANDS_STILL = "not there, but a client of the socket stands still"
+
+
+def stopped(feed, began):
+    """Seconds until the first state whose set speeds are 0: those before have waited in the socket."""
+    feed.read_until(lambda: feed.newest["state"]["set_mm_s"] == {"left": 0, "right": 0})
+    return feed.newest["state"]["unix_time_s"] - began
 
 
 def once(served, happening):
     """Seconds from the happening to the first state whose set speeds are 0."""
     feed = served.feed()
     feed.ask({"do": "control", "line": "place 1500 1000 90"})
-    browser = Browser()
+    host, port = served.http.split(":")
+    network = Network((host, int(port)))
+    browser = Browser(arguments=[
+        f"host-resolver-rules=MAP {host}:{port} {host}:{network.port}"])
     try:
         page = browser.driver.current_window_handle
         if happening == "closed":  # the last window of a browser is not closed
@@ -76,18 +134,35 @@ def once(served, happening):
         victims = processes(browser.driver)
         feed.now("state")
         began = time.time()
-        HAPPENINGS[happening](browser.driver, victims)
-        # The driver's answer may come late; the states have waited in the socket.
-        feed.read_until(lambda: feed.newest["state"]["set_mm_s"] == {"left": 0, "right": 0})
-        if happening in ("hidden", "closed"):
-            began = noted(browser, served, page)
-        return feed.newest["state"]["unix_time_s"] - began
+        HAPPENINGS[happening](browser.driver, victims, network)
+        if happening not in ("hidden", "closed"):
+            return stopped(feed, began)
+        stopped(feed, began)  # the driver's answer may come late
+        at = feed.newest["state"]["unix_time_s"]
+        return at - noted(browser, served, page)
     finally:
+        network.cut()
         victims = processes(browser.driver)
         send(victims, signal.SIGCONT)
         send(victims, signal.SIGKILL)
         browser.driver.service.process.kill()
         feed.close()
+
+
+def once_of_the_socket(served):
+    """The same where a client neither reads nor writes any longer."""
+    feed = served.feed()
+    feed.ask({"do": "control", "line": "place 1500 1000 90"})
+    client = served.feed()
+    client.ask({"do": "hold", "name": "one who stands still", "take": True})
+    for _ in range(10):
+        client.ask({"do": "drive", "left_mm_s": -100, "right_mm_s": 100})
+        feed.now("state")
+    began = time.time()
+    took = stopped(feed, began)
+    client.close()
+    feed.close()
+    return took
 
 
 def main():
@@ -101,12 +176,13 @@ def main():
         allowed = feed.newest["hello"]["setpoint_lapse_s"] + ALLOWED_BEYOND_LAPSE_S
         feed.close()
         print("| the page is | times | p50, s | longest, s |\n|---|---|---|---|")
-        for happening in HAPPENINGS:
-            took = sorted(once(served, happening) for _ in range(times))
+        for happening in [*HAPPENINGS, STANDS_STILL]:
+            took = sorted(once_of_the_socket(served) if happening is STANDS_STILL
+                          else once(served, happening) for _ in range(times))
             late += sum(each > allowed for each in took)
             print(f"| {happening} | {times} | {took[len(took) // 2]:.2f} | {took[-1]:.2f} |",
                   flush=True)
-        print(f"{late} of {times * len(HAPPENINGS)} took longer than {allowed:.2f} s")
+        print(f"{late} of {times * (len(HAPPENINGS) + 1)} took longer than {allowed:.2f} s")
     finally:
         served.close()
     sys.exit(late > 0)
