@@ -90,10 +90,12 @@ NOTE = """for (const event of ["visibilitychange", "pagehide"]) addEventListener
 
 
 def noted(browser, served, page):
+    """When the page noted it; None if it had no time to."""
     others = [each for each in browser.driver.window_handles if each != page]
     browser.driver.switch_to.window(others[0])
     browser.driver.get(served.url + "icon.svg")
-    return float(browser.run("return localStorage.getItem('unseen')")) / 1000
+    at = browser.run("return localStorage.getItem('unseen')")
+    return at and float(at) / 1000
 
 
 # What happens to the page.
@@ -139,7 +141,7 @@ def once(served, happening):
             return stopped(feed, began)
         stopped(feed, began)  # the driver's answer may come late
         at = feed.newest["state"]["unix_time_s"]
-        return at - noted(browser, served, page)
+        return at - (noted(browser, served, page) or began)
     finally:
         network.cut()
         victims = processes(browser.driver)
