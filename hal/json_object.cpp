@@ -50,7 +50,7 @@ std::string json_text(std::string_view text) {
     const std::size_t length = character_length(text);
     const char first = text.front();
     if (length == 0) {
-      out += '?';
+      out += "\xEF\xBF\xBD";
     } else if (first == '"' || first == '\\') {
       (out += '\\') += first;
     } else if (static_cast<unsigned char>(first) < 0x20U) {

@@ -14,7 +14,7 @@
 
 namespace cargobay::hal {
 
-// Text as JSON has it, with its quotes; a byte that is not UTF-8 becomes a question mark.
+// Text as JSON has it, with its quotes; a byte that is not UTF-8 becomes U+FFFD.
 std::string json_text(std::string_view text);
 
 // The shortest digits that give the same number again; `null` for one that is not finite.

@@ -67,14 +67,17 @@ class Printer {
       : options_{options}, packets_{packets}, json_{packets} {}
 
   bool as_json() const { return options_.as_json; }
-  void print(const oi::SensorValues& values, ReadingContext context) const {
+  void print(const hal::SensorFrame& frame, double time_s) const {
     if (as_json()) {
-      const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
-      context.unix_time_s = now.count();
-      const std::string line = json_.of(values, context) + "\n";
+      const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+      const std::string line = json_.of({.stamp = {.unix_ns = now.count(), .time_s = time_s},
+                                         .values = frame.values,
+                                         .distance_sum_mm = frame.distance_mm,
+                                         .angle_sum_deg = frame.angle_deg}) +
+                               "\n";
       (void)std::fwrite(line.data(), 1, line.size(), stdout);
     } else {
-      fmt::print("{}", lines(packets_, values));
+      fmt::print("{}", lines(packets_, frame.values));
     }
     (void)std::fflush(stdout);
   }
@@ -138,11 +141,7 @@ class Watch {
     picture_.frame = frame;
     picture_.time_s = rt::seconds(frame.arrival - first_);
   }
-  void print() const {
-    printer_.print(picture_.frame.values, {.time_s = picture_.time_s,
-                                           .distance_mm = picture_.frame.distance_mm,
-                                           .angle_deg = picture_.frame.angle_deg});
-  }
+  void print() const { printer_.print(picture_.frame, picture_.time_s); }
   void draw() {
     const bool due = picture_.frame.arrival >= next_draw_;
     if (!screen_->attend() && !due) return;
@@ -186,15 +185,17 @@ hal::Result<void> read_once(const Printer& printer, const std::vector<oi::Packet
   const auto values = hal::query_sensors(port, packets);
   progress.reset();
   if (!values) return values.failure();
-  printer.print(*values, {.distance_mm = values->raw(oi::PacketId::distance),
-                          .angle_deg = values->raw(oi::PacketId::angle)});
+  printer.print({.values = *values,
+                 .distance_mm = values->raw(oi::PacketId::distance),
+                 .angle_deg = values->raw(oi::PacketId::angle)},
+                0.0);
   return {};
 }
 
 // The robot of a port that another process drives, as its feed tells.
 hal::Result<void> watch_feed(const Printer& printer, const std::vector<oi::PacketId>& packets,
                              FeedFrames& feed, bool once, StopSignals& signals) {
-  const FeedHello& hello = feed.news().hello;
+  const hal::heard::Hello& hello = feed.news().hello;
   const std::string where = fmt::format("{}{} at {} baud, by {}",
                                         hello.robot == "virtual Create" ? "virtual Create on " : "",
                                         hello.port, hello.baud, hello.program);
@@ -221,7 +222,7 @@ hal::Result<void> watch_feed(const Printer& printer, const std::vector<oi::Packe
   screen.reset();
   if (feed.missed() > 0) {
     print_remark(
-        fmt::format("{} frames did not get here, and the sums are without them", feed.missed()));
+        fmt::format("{} frames did not get here; the sums have them all the same", feed.missed()));
   }
   return watched;
 }

@@ -4,7 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/export/value.hpp"
+#include "hal/columns/value.hpp"
+#include "hal/json_object.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -58,7 +59,7 @@ void open(std::string& out, std::int64_t unix_ns) {
 
 void append_text(std::string& out, std::string_view key, std::string_view text) {
   ((out += ",\"") += key) += "\":";
-  append_json_text(out, text);
+  out += json_text(text);
 }
 
 void append_pose(std::string& out, const rt::OdometryPose& pose, std::string_view position,

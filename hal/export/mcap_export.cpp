@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hal/export/foxglove_schemas.hpp"
+#include "hal/export/json_schema.hpp"
 #include "hal/export/mcap_writer.hpp"
 
 namespace cargobay::hal {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string_view>
 
-#include "hal/export/records.hpp"
+#include "hal/columns/records.hpp"
 #include "hal/result.hpp"
 #include "oi/bit_set.hpp"
 

@@ -73,11 +73,9 @@ class JsonLines {
   JsonLines(Topics /*topics*/, std::string& /*out*/) {}
   template <typename Record>
   void put(std::string& out, const Record& record) {
-    ObjectWriter object{out};
-    object.put("topic", std::string{name(Of<Record>::kTopic)});
-    for (const auto& column : Of<Record>::columns()) object.put(column.path, column.value(record));
-    object.close();
-    out += '\n';
+    ((out += R"({"topic":")") += name(Of<Record>::kTopic)) += '"';
+    append_members(out, Of<Record>::columns(), record);
+    out += "}\n";
   }
 };
 

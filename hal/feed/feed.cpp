@@ -72,7 +72,10 @@ Feed::Feed(FeedOptions options, UnixListener listener, PortDescriptor wake)
       listener_{std::move(listener)},
       wake_{std::move(wake)},
       desk_{options_.steering, options_.of.wheel_base_mm},
-      reports_{{.tap = tap_.get(), .create = options_.create, .world = options_.world}} {}
+      reports_{{.tap = tap_.get(),
+                .create = options_.create,
+                .world = options_.world,
+                .wheel_base_mm = options_.of.wheel_base_mm}} {}
 
 Feed::~Feed() {
   stopping_.store(true, std::memory_order_relaxed);  // the wake-up below orders it

@@ -18,15 +18,24 @@ namespace {
 constexpr rt::Duration kSecond = std::chrono::seconds{1};
 
 // On the system's clock, which may be set meanwhile.
-double unix_time_s(rt::TimePoint time) {
+std::int64_t unix_ns_of(rt::TimePoint time) {
   const auto age = rt::Clock::now() - time;
   const auto then = std::chrono::system_clock::now() - age;
-  return std::chrono::duration<double>{then.time_since_epoch()}.count();
+  return std::chrono::nanoseconds{then.time_since_epoch()}.count();
 }
 
-void tell_sensors(Robot& robot, std::int64_t tick, const FeedOutlet& to) {
+void tell_sensors(Robot& robot, const CycleState& state, const FeedOutlet& to) {
+  const SensorReadings readings = robot.cycle().sensors();
+  SensorRecord record{.stamp = {.unix_ns = unix_ns_of(state.arrival)},
+                      .distance_sum_mm = readings.distance_sum_mm,
+                      .angle_sum_deg = readings.angle_sum_deg};
+  for (std::size_t id = 0; id < SensorReadings::kSlots; ++id) {
+    if (readings.tick[id] != SensorReadings::kNever)
+      record.values.set(static_cast<oi::PacketId>(id), readings.value[id]);
+  }
   JsonObject message = to.begin(FeedType::sensors);
-  put_sensors(message, robot.cycle().sensors(), tick);
+  // It may be that of a frame whose state is not there yet.
+  put_sensors(message, record, std::ranges::max(readings.tick));
   to.tell(FeedType::sensors, std::move(message));
 }
 
@@ -95,11 +104,13 @@ void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) co
     told.state = entry->number;
     const CycleState& state = entry->value;
     JsonObject message = to.begin(FeedType::state);
-    put_state(message, state, unix_time_s(state.arrival));
+    put_state(message, {.stamp = {.unix_ns = unix_ns_of(state.arrival)},
+                        .state = state,
+                        .wheel_base_mm = of_.wheel_base_mm});
     to.tell(FeedType::state, std::move(message));
     // The board has only the newest.
     const bool newest = entry->number == of_.tap->states().last();
-    if (robot != nullptr && newest) tell_sensors(*robot, state.tick, to);
+    if (robot != nullptr && newest) tell_sensors(*robot, state, to);
   }
 }
 
@@ -108,7 +119,8 @@ void FeedReports::tell_events(Told& told, const FeedOutlet& to) const {
   while (const auto entry = of_.tap->events().next(told.event)) {
     told.event = entry->sequence;
     JsonObject message = to.begin(FeedType::event);
-    put_entry(message, *entry);
+    put_event(message, {.stamp = {.unix_ns = unix_ns_of(entry->event.time)}, .event = entry->event},
+              entry->sequence);
     to.tell(FeedType::event, std::move(message));
   }
 }
@@ -119,7 +131,8 @@ void FeedReports::tell_truth(Told& told, const FeedOutlet& to) const {
   if (!truth || truth->time.count() == told.truth_ns) return;
   told.truth_ns = truth->time.count();
   JsonObject message = to.begin(FeedType::truth);
-  put_truth(message, *truth);
+  put_truth(message, *truth,
+            static_cast<double>(unix_ns_of(of_.create->monotonic(truth->time))) / 1e9);
   to.tell(FeedType::truth, std::move(message));
 }
 

@@ -22,6 +22,7 @@ struct FeedSubjects {
   FeedTap* tap = nullptr;
   sim::Server* create = nullptr;
   const sim::World* world = nullptr;
+  double wheel_base_mm = 0.0;
 };
 
 // Where messages go.

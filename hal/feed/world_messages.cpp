@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "hal/feed/message/event_json.hpp"
 #include "hal/sim/remote/control.hpp"
 #include "hal/sim/remote/fault_command.hpp"
 
@@ -61,16 +60,18 @@ std::string rows_json(std::span<const Row> rows) {
 
 }  // namespace
 
-void put_truth(JsonObject& message, const sim::NewestTruth& truth) {
+void put_truth(JsonObject& message, const sim::NewestTruth& truth, double unix_time_s) {
   JsonObject pose;
   pose.number("x_mm", truth.pose.x_mm)
       .number("y_mm", truth.pose.y_mm)
       .number("heading_deg",
               std::remainder(truth.pose.heading_rad * 180.0 / std::numbers::pi, 360.0));
+  JsonObject wheels;
+  wheels.number("left", truth.speeds.left_mm_s).number("right", truth.speeds.right_mm_s);
   message.number("time_s", rt::seconds(truth.time))
+      .number("unix_time_s", unix_time_s)
       .object("pose", std::move(pose))
-      .object("wheel_mm_s",
-              hal::json_of(rt::WheelSpeeds{truth.speeds.left_mm_s, truth.speeds.right_mm_s}));
+      .object("wheel_mm_s", std::move(wheels));
 }
 
 void put_world(JsonObject& message, const sim::World& world) {

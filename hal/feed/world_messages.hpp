@@ -8,7 +8,8 @@
 namespace cargobay::hal {
 
 // All of them allocate.
-void put_truth(JsonObject& message, const sim::NewestTruth& truth);
+// `unix_time_s`: when the virtual Create's clock showed the truth's time.
+void put_truth(JsonObject& message, const sim::NewestTruth& truth, double unix_time_s);
 void put_world(JsonObject& message, const sim::World& world);
 // What a person may do to a virtual Create: the lines of its control socket, and its faults.
 void put_controls(JsonObject& message);

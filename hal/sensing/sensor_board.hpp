@@ -22,6 +22,9 @@ struct SensorReadings {
 
   std::array<std::int32_t, kSlots> value{};
   std::array<std::int64_t, kSlots> tick{};
+  // Of all frames: what the counters of distance and angle add up to.
+  std::int64_t distance_sum_mm = 0;
+  std::int64_t angle_sum_deg = 0;
 };
 
 class SensorBoard {
@@ -38,6 +41,8 @@ class SensorBoard {
       const auto id = static_cast<std::size_t>(packet);
       words_[id].store(tick | static_cast<std::uint32_t>(value), std::memory_order_relaxed);
     });
+    add(distance_sum_mm_, frame.raw(oi::PacketId::distance));  // 0 if the frame has none
+    add(angle_sum_deg_, frame.raw(oi::PacketId::angle));
     // Pairs with readings().
     sequence_.store(sequence_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
@@ -57,13 +62,22 @@ class SensorBoard {
         read.value[id] = static_cast<std::int32_t>(static_cast<std::uint32_t>(word));
         read.tick[id] = static_cast<std::int64_t>(word >> 32U) + SensorReadings::kNever;
       }
+      read.distance_sum_mm = distance_sum_mm_.load(std::memory_order_acquire);
+      read.angle_sum_deg = angle_sum_deg_.load(std::memory_order_acquire);
       if (before % 2 == 0 && sequence_.load(std::memory_order_relaxed) == before) return read;
     }
   }
 
  private:
+  // Only the control thread adds.
+  static void add(std::atomic<std::int64_t>& sum, std::int32_t more) CARGOBAY_NONBLOCKING {
+    sum.store(sum.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
+  }
+
   // Those of a later robot too, so that see() need not ask.
   std::array<std::atomic<std::uint64_t>, oi::kPacketsWithRawCounts.size()> words_{};
+  std::atomic<std::int64_t> distance_sum_mm_{0};
+  std::atomic<std::int64_t> angle_sum_deg_{0};
   std::atomic<std::uint32_t> sequence_{0};  // odd while a frame is being seen
 };
 

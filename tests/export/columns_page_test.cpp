@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/export/records.hpp"
+#include "hal/columns/records.hpp"
 
 namespace cargobay::hal {
 namespace {

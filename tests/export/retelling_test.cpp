@@ -159,7 +159,7 @@ TEST(Retelling, GoesOnAfterAGap) {
   std::string text;
   append_json(text, state_columns(), last);
   EXPECT_THAT(text, testing::AllOf(testing::HasSubstr("estimate_mm_s"),
-                                   testing::Not(testing::HasSubstr("x_mm")),
+                                   testing::Not(testing::HasSubstr("pose")),
                                    testing::Not(testing::HasSubstr("hazards"))));
 }
 

@@ -114,7 +114,7 @@ TEST(TextExport, HasOnlyTheTopicsThatWereAskedFor) {
   const auto csv = lines_of(exported(file, csv_export, events));
   ASSERT_GT(csv.size(), 2U);
   EXPECT_THAT(csv[0], testing::StartsWith("topic,unix_time_s,time_s,tick,robot_time_s,what,text"));
-  EXPECT_THAT(csv[0], testing::Not(testing::HasSubstr("x_mm")));
+  EXPECT_THAT(csv[0], testing::Not(testing::HasSubstr("pose.x_mm")));
   for (std::size_t i = 1; i < csv.size(); ++i) EXPECT_THAT(csv[i], testing::StartsWith("events,"));
   const auto records = lines_of(exported(file, json_lines_export, events));
   EXPECT_EQ(records.size(), csv.size() - 1);

@@ -1,5 +1,5 @@
 // Values and objects as text.
-#include "hal/export/value.hpp"
+#include "hal/columns/value.hpp"
 
 #include <cstdlib>
 #include <limits>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/export/columns.hpp"
+#include "hal/export/json_schema.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -46,7 +46,7 @@ TEST(Value, IsNotKnownIfItIsNotFinite) {
 }
 
 TEST(Value, IsQuotedWhereItHasToBe) {
-  EXPECT_EQ(in_json(std::string{"a \"b\" \\ \n"}), R"("a \"b\" \\ \n")");
+  EXPECT_EQ(in_json(std::string{"a \"b\" \\ \n"}), R"("a \"b\" \\ \u000a")");
   EXPECT_EQ(in_json(std::string{"\xFF"}), "\"\xEF\xBF\xBD\"");
   EXPECT_EQ(in_json(std::string{"\xC3\xBC"}), "\"\xC3\xBC\"");
   EXPECT_EQ(in_csv(std::string{"plain text; no more"}), "plain text; no more");
@@ -63,9 +63,9 @@ TEST(Value, TellsNoWordsFromUnknownOnes) {
   EXPECT_EQ(in_json(false), "false");
 }
 
-TEST(ObjectWriter, NestsMembersAndLeavesOutWhatIsNotKnown) {
-  std::string out;
-  ObjectWriter object{out};
+TEST(MemberWriter, NestsMembersAndLeavesOutWhatIsNotKnown) {
+  std::string out{"{"};
+  MemberWriter object{out};
   object.put("a.unknown", {});
   object.put("a.left", std::int64_t{1});
   object.put("a.right", std::int64_t{2});
@@ -73,14 +73,17 @@ TEST(ObjectWriter, NestsMembersAndLeavesOutWhatIsNotKnown) {
   object.put("c", std::string{"d"});
   object.put("e", {});
   object.put("f.g", true);
-  object.close();
-  EXPECT_EQ(out, R"({"a":{"left":1,"right":2},"b":{"left":3},"c":"d","f":{"g":true}})");
+  object.end();
+  EXPECT_EQ(out, R"({"a":{"left":1,"right":2},"b":{"left":3},"c":"d","f":{"g":true})");
 }
 
-TEST(ObjectWriter, WritesAnEmptyObject) {
-  std::string out;
-  ObjectWriter{out}.close();
-  EXPECT_EQ(out, "{}");
+TEST(MemberWriter, GoesOnInAnObject) {
+  std::string members;
+  MemberWriter more{members};
+  more.put("a.b", std::int64_t{1});
+  more.put("c", std::int64_t{2});
+  more.end();
+  EXPECT_EQ(members, R"(,"a":{"b":1},"c":2)");
 }
 
 TEST(JsonSchema, HasTypesUnitsAndMeanings) {

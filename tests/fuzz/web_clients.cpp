@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "hal/feed/message/reading.hpp"
 #include "hal/web/conversation.hpp"
-#include "hal/web/feed_message.hpp"
 #include "hal/web/foxglove/foxglove_conversation.hpp"
 #include "hal/web/gate.hpp"
 #include "hal/web/site.hpp"
@@ -100,6 +100,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)prepared.hear(
       R"({"op":"advertise","channels":[{"id":1,"topic":"/cmd_vel","encoding":"json"}]})", false);
   converse(prepared, input);
-  (void)read_world(input);
+  (void)cargobay::hal::read_message(input);
   return 0;
 }

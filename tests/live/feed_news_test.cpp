@@ -32,7 +32,7 @@ TEST(FeedNews, TakesAStateAsTheFeedMakesIt) {
   state.pose = {.x_mm = 1.0, .y_mm = 2.0, .heading_rad = 0.5};
   state.pose_covariance.xy = -0.25;
   hal::JsonObject message = hal::message(hal::FeedType::state, 7);
-  hal::put_state(message, state, 1000.5);
+  hal::put_state(message, {.stamp = {.unix_ns = 1'000'500'000'000}, .state = state});
   FeedNews news;
   ASSERT_EQ(news.hear(message.take()), hal::FeedType::state);
   ASSERT_TRUE(news.state);
@@ -48,24 +48,24 @@ TEST(FeedNews, TakesAStateAsTheFeedMakesIt) {
   EXPECT_EQ(news.state->distance_mm, 123.5);
   EXPECT_EQ(news.state->pose.heading_rad, 0.5);
   EXPECT_EQ(news.state->pose_covariance.xy, -0.25);
-  EXPECT_EQ(news.state_unix_s, 1000.5);
+  EXPECT_EQ(news.state_unix_ns, 1'000'500'000'000);
 }
 
 TEST(FeedNews, KnowsOnlyThePacketsThatWereRead) {
   FeedNews news;
   ASSERT_TRUE(
       news.hear(line(hal::FeedType::sensors, R"(,"tick":5,"distance":-3,"voltage":15000)")));
-  EXPECT_EQ(news.sensors_tick, 5);
-  EXPECT_EQ(news.sensors.raw(oi::PacketId::distance), -3);
-  EXPECT_TRUE(news.sensors.has(oi::PacketId::voltage));
-  EXPECT_FALSE(news.sensors.has(oi::PacketId::wall_signal));
+  EXPECT_EQ(news.sensors.tick, 5);
+  EXPECT_EQ(news.sensors.record.values.raw(oi::PacketId::distance), -3);
+  EXPECT_TRUE(news.sensors.record.values.has(oi::PacketId::voltage));
+  EXPECT_FALSE(news.sensors.record.values.has(oi::PacketId::wall_signal));
 }
 
 TEST(FeedNews, KeepsTheLatestEvents) {
   FeedNews news;
   for (std::size_t i = 0; i < FeedNews::kMostEvents + 10; ++i) {
     (void)news.hear(
-        line(hal::FeedType::event, fmt::format(R"(,"time_s":{},"text":"event {}")", i, i)));
+        line(hal::FeedType::event, fmt::format(R"(,"robot_time_s":{},"text":"event {}")", i, i)));
   }
   EXPECT_EQ(news.events.size(), FeedNews::kMostEvents);
   EXPECT_THAT(news.events.back(), HasSubstr("event 209"));
@@ -100,9 +100,9 @@ TEST(FeedNews, LeavesWhatItDoesNotUnderstand) {
   (void)news.hear(
       line(hal::FeedType::statistics, R"(,"frames":[],"period_ns":{"histogram":[[1]]})"));
   (void)news.hear(line(hal::FeedType::sensors, R"(,"distance":"far","angle":1.5)"));
-  EXPECT_EQ(news.sensors.present(), 0U);
-  ASSERT_TRUE(news.period);
-  EXPECT_TRUE(news.period->histogram.empty());
+  EXPECT_EQ(news.sensors.record.values.present(), 0U);
+  ASSERT_TRUE(news.statistics.period);
+  EXPECT_TRUE(news.statistics.period->histogram.empty());
 }
 
 }  // namespace

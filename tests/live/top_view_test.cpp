@@ -40,17 +40,17 @@ FeedNews full_news() {
   news.state->mode = oi::Mode::safe;
   news.state->set = {.left_mm_s = -500.0, .right_mm_s = -500.0};
   news.state->estimate = {.left_mm_s = -499.9, .right_mm_s = -499.9};
-  news.truth = FeedTruth{.pose = {.x_mm = 500.0, .y_mm = 1500.0},
-                         .wheels = {.left_mm_s = -498.8, .right_mm_s = -498.8}};
-  news.frames = {.good = 123'456, .bad = 12, .lost = 34, .late = 56};
-  news.period = FeedDurations{.count = 10,
-                              .p50_ns = 15e6,
-                              .p99_ns = 16e6,
-                              .max_ns = 38.1e6,
-                              .histogram = {{14e6, 2}, {15e6, 5}, {38e6, 3}}};
+  news.truth = hal::heard::Truth{.pose = {.x_mm = 500.0, .y_mm = 1500.0},
+                                 .wheels = {.left_mm_s = -498.8, .right_mm_s = -498.8}};
+  news.statistics.frames = {.good = 123'456, .bad = 12, .lost = 34, .late = 56};
+  news.statistics.period = hal::heard::Durations{.count = 10,
+                                                 .p50_ns = 15e6,
+                                                 .p99_ns = 16e6,
+                                                 .max_ns = 38.1e6,
+                                                 .histogram = {{14e6, 2}, {15e6, 5}, {38e6, 3}}};
   for (int i = 0; i < 50; ++i) news.events.push_back("  1.0 s  event " + std::to_string(i));
   for (std::uint8_t id = oi::kFirstSinglePacket; id <= oi::kLastPacket; ++id)
-    news.sensors.set(static_cast<oi::PacketId>(id), 0);
+    news.sensors.record.values.set(static_cast<oi::PacketId>(id), 0);
   return news;
 }
 
@@ -86,7 +86,8 @@ TEST(TopView, SaysSoWhileNothingIsKnown) {
 }
 
 TEST(Sparkline, ShowsWhereAndHowOften) {
-  const FeedDurations durations{.count = 1002, .histogram = {{1e3, 1}, {1e4, 1000}, {1e6, 1}}};
+  const hal::heard::Durations durations{.count = 1002,
+                                        .histogram = {{1e3, 1}, {1e4, 1000}, {1e6, 1}}};
   const std::string line = sparkline(durations, 31);
   ASSERT_EQ(line.size(), 31U);
   EXPECT_EQ(line[10], '#') << line << ": a third of the way, on a logarithmic scale";

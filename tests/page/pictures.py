@@ -31,8 +31,8 @@ def drive(browser, feed):
 
 def wait(feed, seconds):
     """Of the robot's time."""
-    end = feed.now("state")["time_s"] + seconds
-    feed.read_until(lambda: feed.newest["state"]["time_s"] > end)
+    end = feed.now("state")["robot_time_s"] + seconds
+    feed.read_until(lambda: feed.newest["state"]["robot_time_s"] > end)
 
 
 def main():

@@ -63,17 +63,17 @@ class FakeFeed:
     def messages(self, tick):
         time_s = tick * 0.015
         speeds = {"left": 100.125, "right": 1 / 3}
-        yield {"type": "state", "seq": 3 * tick + 3, "tick": tick, "time_s": time_s,
+        yield {"type": "state", "seq": 3 * tick + 3, "tick": tick, "robot_time_s": time_s,
                "unix_time_s": 1.7e9 + time_s, "mode": "safe", "set_mm_s": speeds,
                "estimate_mm_s": speeds, "pose": {"x_mm": tick * 1.5, "y_mm": 0.1, "heading_rad": 0.0},
                "battery_mv": 16000}
-        yield {"type": "sensors", "seq": 3 * tick + 4, "tick": tick, "time_s": time_s, "wall": False}
+        yield {"type": "sensors", "seq": 3 * tick + 4, "tick": tick, "robot_time_s": time_s, "wall": False}
         yield {"type": "truth", "seq": 3 * tick + 5, "time_s": time_s,
                "pose": {"x_mm": tick * 1.5, "y_mm": 0, "heading_deg": 0}, "wheel_mm_s": speeds}
         if tick % 20 == 0:
             yield {"type": "statistics", "seq": 0, "unsent": tick, "frames": {"good": tick}}
             yield {"type": "event", "seq": 0, "sequence": tick, "what": "bump_began", "tick": tick,
-                   "time_s": time_s, "text": "bump, left"}
+                   "robot_time_s": time_s, "text": "bump, left"}
             yield {"type": "holder", "seq": 0, "name": "Ada"}
             yield {"type": "status", "seq": 0, "stage": "driving", "text": "driving"}
             yield {"type": "virtual_create", "seq": 0, "state": {"powered": True}}

@@ -11,6 +11,7 @@
 
 namespace {
 
+namespace hal = cargobay::hal;
 namespace web = cargobay::web;
 using Json = nlohmann::json;
 using testing::HasSubstr;
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 constexpr std::int64_t kNowNs = 1'700'000'000'000'000'000;
 
 const std::string kState =
-    R"({"type":"state","seq":7,"tick":2,"time_s":0.5,"unix_time_s":1700000000.25,)"
+    R"({"type":"state","seq":7,"tick":2,"robot_time_s":0.03,"unix_time_s":1700000000.25,)"
     R"("pose":{"x_mm":1000.0,"y_mm":-500.0,"heading_rad":0.0}})";
 
 class FoxgloveTest : public testing::Test {
@@ -94,7 +95,7 @@ TEST_F(FoxgloveTest, IntroducesItself) {
 
 TEST_F(FoxgloveTest, PassesTheFeedOnByteByByte) {
   (void)texts();
-  subscribe(9, web::ChannelId::state);
+  subscribe(9, web::own_channel(hal::FeedType::state));
   conversation_.tell(kState, kNowNs);
   const auto messages = data();
   ASSERT_EQ(messages.size(), 1U);
@@ -112,7 +113,7 @@ TEST_F(FoxgloveTest, AsksTheFeedForNoMoreThanIsWanted) {
             "{\"do\":\"subscribe\",\"types\":[\"statistics\",\"virtual_create\",\"world\"]}\n");
   subscribe(1, web::ChannelId::true_pose);
   EXPECT_THAT(requests(), HasSubstr(R"(["state","statistics","truth","virtual_create","world"])"));
-  subscribe(2, web::ChannelId::truth);
+  subscribe(2, web::own_channel(hal::FeedType::truth));
   EXPECT_EQ(requests(), "");
 }
 
@@ -120,7 +121,7 @@ TEST_F(FoxgloveTest, GivesLateSubscribersWhatComesRarely) {
   const std::string statistics = R"({"type":"statistics","seq":3,"unsent":0})";
   conversation_.tell(statistics, kNowNs);
   conversation_.to_client().clear();
-  subscribe(4, web::ChannelId::statistics);
+  subscribe(4, web::own_channel(hal::FeedType::statistics));
   const auto messages = data();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].payload, statistics);
@@ -298,7 +299,7 @@ TEST_F(FoxgloveTest, AnswersNonsenseWithAStatus) {
 }
 
 TEST_F(FoxgloveTest, BoundsWhatAClientCanPileUp) {
-  for (std::uint32_t i = 0; i < 1000; ++i) subscribe(i, web::ChannelId::state);
+  for (std::uint32_t i = 0; i < 1000; ++i) subscribe(i, web::own_channel(hal::FeedType::state));
   (void)texts();
   conversation_.tell(kState, kNowNs);
   EXPECT_EQ(data().size(), 128U);

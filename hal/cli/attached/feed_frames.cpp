@@ -46,23 +46,29 @@ hal::Result<std::optional<hal::SensorFrame>> FeedFrames::next(
     if (!line) return line.failure();
     if (!*line) return std::optional<hal::SensorFrame>{};
     if (news_.hear(**line) != hal::FeedType::sensors) continue;
-    if (news_.sensors_tick == last_tick_ || !has_any(news_.sensors, packets)) continue;
+    const hal::heard::Sensors& sensors = news_.sensors;
+    if (sensors.tick == last_tick_ || !has_any(sensors.record.values, packets)) continue;
     return std::optional{frame()};
   }
 }
 
 hal::SensorFrame FeedFrames::frame() {
-  const std::int64_t tick = news_.sensors_tick;
-  if (tick < last_tick_) {  // the robot came back, and counts from 0 again
+  const std::int64_t tick = news_.sensors.tick;
+  const hal::SensorRecord& record = news_.sensors.record;
+  if (last_tick_ < 0) {  // the first one
+    seen_ = record;
+  } else if (tick < last_tick_) {  // the robot came back, and counts from 0 again
     ticks_before_ += last_tick_ + 1;
-  } else if (last_tick_ >= 0) {
+    seen_ = {};
+  } else {
     missed_ += tick - last_tick_ - 1;
   }
   last_tick_ = tick;
-  sums_.values = news_.sensors;
+  sums_.values = record.values;
   sums_.arrival = rt::TimePoint{(ticks_before_ + tick) * oi::kTick};
-  sums_.distance_mm += news_.sensors.raw(oi::PacketId::distance);
-  sums_.angle_deg += news_.sensors.raw(oi::PacketId::angle);
+  sums_.distance_mm += record.distance_sum_mm - seen_.distance_sum_mm;
+  sums_.angle_deg += record.angle_sum_deg - seen_.angle_sum_deg;
+  seen_ = record;
   return sums_;
 }
 

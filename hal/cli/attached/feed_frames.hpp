@@ -8,6 +8,7 @@
 
 #include "hal/bring_up/sensor_stream.hpp"
 #include "hal/cli/attached/feed_news.hpp"
+#include "hal/columns/records.hpp"
 #include "hal/feed/feed_reader.hpp"
 #include "hal/result.hpp"
 #include "oi/packet_table.hpp"
@@ -22,8 +23,8 @@ class FeedFrames {
   static std::optional<FeedFrames> attach(const std::string& port);
 
   // The next frame that has any of these packets, with what has been read of them so far; nothing
-  // if none comes within 100 ms. Times are the robot's, and its sums those of the frames that were
-  // seen. Fails when the feed ends.
+  // if none comes within 100 ms. Times are the robot's. The sums begin with 0 at the first frame;
+  // they have the frames that did not come here too. Fails when the feed ends.
   hal::Result<std::optional<hal::SensorFrame>> next(const std::vector<oi::PacketId>& packets);
 
   const FeedNews& news() const { return news_; }
@@ -37,6 +38,7 @@ class FeedFrames {
   hal::FeedReader reader_;
   FeedNews news_{};
   hal::SensorFrame sums_{};
+  hal::SensorRecord seen_{};  // the last
   std::int64_t last_tick_ = -1;
   std::int64_t ticks_before_ = 0;  // of links before this one
   std::int64_t missed_ = 0;

@@ -44,8 +44,9 @@ class LastSamples {
                        .set = state.set,
                        .estimate = state.estimate,
                        .command = state.command};
-    if (former_unix_s_) sample.interval_ms = 1e3 * (news.state_unix_s - *former_unix_s_);
-    former_unix_s_ = news.state_unix_s;
+    if (former_unix_ns_)
+      sample.interval_ms = static_cast<double>(news.state_unix_ns - *former_unix_ns_) / 1e6;
+    former_unix_ns_ = news.state_unix_ns;
     if (news.truth) sample.truth = news.truth->wheels;
     samples_.push_back(sample);
     while (samples_.front().time_s < sample.time_s - last_s_) samples_.pop_front();
@@ -59,7 +60,7 @@ class LastSamples {
   std::deque<DriveSample> samples_{};
   std::int64_t tick_ = -1;
   std::int64_t before_ = 0;  // ticks of links before this one
-  std::optional<double> former_unix_s_{};
+  std::optional<std::int64_t> former_unix_ns_{};
   std::uint64_t taken_ = 0;
 };
 

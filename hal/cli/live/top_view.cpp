@@ -49,8 +49,8 @@ std::string limits_text(hal::Limits limits) {
   return text.empty() ? "nothing" : text;
 }
 
-ScreenLine duration_line(std::string_view name, const std::optional<FeedDurations>& durations,
-                         int columns) {
+ScreenLine duration_line(std::string_view name,
+                         const std::optional<hal::heard::Durations>& durations, int columns) {
   if (!durations || durations->count == 0) return {{fmt::format("{:<8}not measured yet", name)}};
   std::string text = fmt::format("{:<8}p50 {:.3f}  p99 {:.3f}  max {:.3f} ms  ", name,
                                  durations->p50_ns / kNsPerMs, durations->p99_ns / kNsPerMs,
@@ -62,14 +62,15 @@ ScreenLine duration_line(std::string_view name, const std::optional<FeedDuration
 }
 
 std::vector<ScreenLine> loop_lines(const FeedNews& news, int columns) {
-  const bool bad = news.frames.bad + news.frames.lost > 0;
+  const bool bad = news.statistics.frames.bad + news.statistics.frames.lost > 0;
   return {{{fmt::format("{:<8}", "Frames")},
-           {fmt::format("{} good, {} bad, {} lost, {} late", news.frames.good, news.frames.bad,
-                        news.frames.lost, news.frames.late),
+           {fmt::format("{} good, {} bad, {} lost, {} late", news.statistics.frames.good,
+                        news.statistics.frames.bad, news.statistics.frames.lost,
+                        news.statistics.frames.late),
             bad ? TextStyle::strong : TextStyle::plain},
-           {fmt::format("; {} unsent", news.unsent)}},
-          duration_line("Period", news.period, columns),
-          duration_line("Answer", news.frame_to_command, columns)};
+           {fmt::format("; {} unsent", news.statistics.unsent)}},
+          duration_line("Period", news.statistics.period, columns),
+          duration_line("Answer", news.statistics.frame_to_command, columns)};
 }
 
 // Those that the lines above do not show.
@@ -87,8 +88,8 @@ std::vector<oi::PacketId> other_sensors() {
 }
 
 // Few buckets, in one line each.
-std::vector<ScreenLine> bars(std::string_view name, const std::optional<FeedDurations>& durations,
-                             int columns) {
+std::vector<ScreenLine> bars(std::string_view name,
+                             const std::optional<hal::heard::Durations>& durations, int columns) {
   std::vector<ScreenLine> lines;
   if (!durations || durations->histogram.empty()) return lines;
   constexpr std::size_t kMost = 8;
@@ -123,7 +124,7 @@ std::string title(const FeedNews& news) {
 
 }  // namespace
 
-std::string sparkline(const FeedDurations& durations, int columns) {
+std::string sparkline(const hal::heard::Durations& durations, int columns) {
   std::string line(static_cast<std::size_t>(std::max(columns, 0)), ' ');
   if (line.empty() || durations.histogram.empty()) return line;
   const double first = std::log(std::max(durations.histogram.front().first, 1.0));
@@ -186,14 +187,15 @@ std::vector<ScreenLine> top_view(const FeedNews& news, const std::vector<std::st
                                 news.state ? limits_text(news.state->limits) : "nothing")}});
   const auto room = [&] { return window.rows - 1 - static_cast<int>(lines.size()); };
   constexpr int kEvents = 4;
-  const hal::SensorFrame frame{.values = news.sensors};
+  const hal::SensorFrame frame{.values = news.sensors.record.values};
   std::vector<ScreenLine> sensors = sensor_lines(other_sensors(), frame, window.columns);
   if (room() >= kEvents + 1 + static_cast<int>(sensors.size())) {
     lines.emplace_back();
     append(lines, std::move(sensors));
   }
   for (const auto& [name, durations] :
-       {std::pair{"Period", &news.period}, std::pair{"Frame to command", &news.frame_to_command}}) {
+       {std::pair{"Period", &news.statistics.period},
+        std::pair{"Frame to command", &news.statistics.frame_to_command}}) {
     std::vector<ScreenLine> more = bars(name, *durations, window.columns);
     if (more.empty() || room() < kEvents + 1 + static_cast<int>(more.size())) continue;
     lines.emplace_back();
@@ -216,8 +218,8 @@ std::string top_line(const FeedNews& news) {
       "lost  steered by {}",
       static_cast<double>(state.tick) * rt::seconds(oi::kTick), oi::name(state.mode),
       state.set.left_mm_s, state.set.right_mm_s, state.estimate.left_mm_s,
-      state.estimate.right_mm_s, pose_text(state.pose), state.battery_mv, news.frames.bad,
-      news.frames.lost, steering_text(news));
+      state.estimate.right_mm_s, pose_text(state.pose), state.battery_mv,
+      news.statistics.frames.bad, news.statistics.frames.lost, steering_text(news));
 }
 
 }  // namespace cargobay::cli

@@ -22,7 +22,7 @@ std::vector<ScreenLine> news_lines(const FeedNews& news, const std::vector<std::
 
 // The histogram from its least to its largest value, on a logarithmic scale in both directions: one
 // character per bucket, blank for nothing, `#` for the most. `columns` may be 0.
-std::string sparkline(const FeedDurations& durations, int columns);
+std::string sparkline(const hal::heard::Durations& durations, int columns);
 
 // The whole of it, for any window: the robot, link and loop first; then events, the other sensors
 // and bars of the histograms, as far as there is room. `messages` are the command's own.

@@ -1,13 +1,11 @@
 #include "hal/cli/terminal/sensor_format.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "hal/feed/message/packet_json.hpp"
 #include "oi/dialect.hpp"
 #include "oi/value_names.hpp"
 
@@ -20,15 +18,6 @@ std::vector<std::string_view> bit_names(PacketId packet, std::int32_t raw) {
   std::vector<std::string_view> names;
   oi::visit_bits(packet, raw, [&](std::string_view name) { names.push_back(name); });
   return names;
-}
-
-// With six digits after the point. Not by the formatter for floating point, which takes longer than
-// all else that is in a line.
-void put_seconds(std::string& out, double time_s) {
-  constexpr std::int64_t kMicros = 1'000'000;
-  const std::int64_t micros = std::llround(time_s * static_cast<double>(kMicros));
-  const fmt::format_int fraction{kMicros + micros % kMicros};  // its first digit is no part of it
-  ((out += fmt::format_int(micros / kMicros).c_str()) += '.') += fraction.c_str() + 1;
 }
 
 const oi::PacketInfo& info(PacketId packet) { return oi::kCreate.packet(packet); }
@@ -60,20 +49,16 @@ std::string text(PacketId packet, const oi::SensorValues& values) {
 
 JsonLine::JsonLine(const std::vector<PacketId>& packets) : packets_{singles(packets)} {}
 
-std::string JsonLine::of(const oi::SensorValues& values, const ReadingContext& context) const {
+std::string JsonLine::of(const hal::SensorRecord& record) const {
+  hal::SensorRecord chosen = record;
+  chosen.values.clear();
+  for (const PacketId packet : packets_) {
+    if (record.values.has(packet)) chosen.values.set(packet, record.values.raw(packet));
+  }
   std::string out;
   out.reserve(std::size_t{1} << 11U);
-  put_seconds(out += R"({"unix_time_s":)", context.unix_time_s);
-  put_seconds(out += R"(,"time_s":)", context.time_s);
-  for (const PacketId packet : packets_) {
-    if (!values.has(packet)) continue;
-    hal::append_json(out, packet, values.raw(packet));
-    if (packet == PacketId::distance)
-      (out += R"(,"distance_sum":)") += fmt::format_int(context.distance_mm).c_str();
-    if (packet == PacketId::angle)
-      (out += R"(,"angle_sum":)") += fmt::format_int(context.angle_deg).c_str();
-  }
-  return out += '}';
+  hal::append_json(out, hal::sensor_columns(), chosen);
+  return out;
 }
 
 std::string lines(const std::vector<PacketId>& packets, const oi::SensorValues& values) {

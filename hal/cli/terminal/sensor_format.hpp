@@ -1,10 +1,10 @@
 // Sensor values as text and as JSON.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "hal/columns/records.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/sensors.hpp"
 
@@ -14,21 +14,12 @@ namespace cargobay::cli {
 std::vector<oi::PacketId> singles(const std::vector<oi::PacketId>& packets);
 // `16254 mV`, `3 (left, right)`, `safe`.
 std::string text(oi::PacketId packet, const oi::SensorValues& values);
-// When a reading was taken, neither time before 0, and what its distance and angle add up to.
-struct ReadingContext {
-  double unix_time_s = 0.0;  // by the system's clock, which may be set meanwhile
-  double time_s = 0.0;       // since the first reading, by one that cannot
-  std::int64_t distance_mm = 0;
-  std::int64_t angle_deg = 0;
-};
-
-// Makes one JSON object of each reading, without line breaks: both times; raw numbers by their
-// keys; in addition `<key>_name` for a code, `<key>_names` for bits, `<key>_sum` for distance and
-// angle. By hand: at 67 frames a second a tree of the values costs more than reading them.
+// Makes one JSON object of each reading, without line breaks: its columns (hal/columns), of these
+// packets.
 class JsonLine {
  public:
   explicit JsonLine(const std::vector<oi::PacketId>& packets);
-  std::string of(const oi::SensorValues& values, const ReadingContext& context) const;
+  std::string of(const hal::SensorRecord& record) const;
 
  private:
   std::vector<oi::PacketId> packets_;

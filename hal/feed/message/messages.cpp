@@ -6,10 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "hal/feed/message/event_json.hpp"
-#include "hal/feed/message/packet_json.hpp"
 #include "oi/limits.hpp"
-#include "oi/value_names.hpp"
 
 namespace cargobay::hal {
 
@@ -18,34 +15,6 @@ namespace {
 constexpr std::array<std::string_view, kFeedTypes> kTypeNames{
     "hello",          "status", "state",    "sensors", "event",  "statistics", "truth",
     "virtual_create", "world",  "controls", "holder",  "missed", "answer"};
-
-std::string_view belief_name(rt::RemainderBelief belief) {
-  switch (belief) {
-    case rt::RemainderBelief::unknown: break;
-    case rt::RemainderBelief::carried: return "carried";
-    case rt::RemainderBelief::lost: return "lost";
-  }
-  return "unknown";
-}
-
-JsonObject pose_json(const rt::OdometryPose& pose) {
-  JsonObject object;
-  object.number("x_mm", pose.x_mm)
-      .number("y_mm", pose.y_mm)
-      .number("heading_rad", pose.heading_rad);
-  return object;
-}
-
-JsonObject covariance_json(const rt::PoseCovariance& covariance) {
-  JsonObject object;
-  object.number("xx_mm2", covariance.xx)
-      .number("xy_mm2", covariance.xy)
-      .number("yy_mm2", covariance.yy)
-      .number("xh_mm_rad", covariance.xh)
-      .number("yh_mm_rad", covariance.yh)
-      .number("hh_rad2", covariance.hh);
-  return object;
-}
 
 // Pairs of a value and how often a duration was at most that, and above the pair's before. A bucket
 // is a sixteenth of its power of two: fine enough for a drawing.
@@ -119,43 +88,18 @@ void put_status(JsonObject& message, std::string_view stage, std::string_view te
   message.text("stage", stage).text("text", text);
 }
 
-void put_state(JsonObject& message, const CycleState& state, double unix_time_s) {
-  message.number("tick", state.tick)
-      .number("time_s", robot_time_s(state.tick))
-      .number("unix_time_s", unix_time_s)
-      .text("mode", oi::name(state.mode))
-      .object("target_mm_s", json_of(state.target))
-      .object("set_mm_s", json_of(state.set))
-      .object("estimate_mm_s", json_of(state.estimate))
-      .object("command_mm_s", json_of(state.command))
-      .raw("limits", json_of(state.limits))
-      .truth("setpoint_lapsed", state.setpoint_lapsed)
-      .raw("hazards", json_of(state.hazards))
-      .raw("bumps", json_of(state.bumps));
-  if (state.battery_mv == 0) {
-    message.raw("battery_mv", "null");
-  } else {
-    message.number("battery_mv", state.battery_mv);
-  }
-  message.text("remainder", belief_name(state.remainder))
-      .number("distance_mm", state.distance_mm)
-      .object("pose", pose_json(state.pose))
-      .object("covariance", covariance_json(state.pose_covariance));
+void put_state(JsonObject& message, const StateRecord& state) {
+  put_columns(message, state_columns(), state);
 }
 
-void put_sensors(JsonObject& message, const SensorReadings& readings, std::int64_t tick) {
-  message.number("tick", tick).number("time_s", robot_time_s(tick));
-  std::string packets;
-  for (std::size_t id = 0; id < SensorReadings::kSlots; ++id) {
-    if (readings.tick[id] == SensorReadings::kNever) continue;
-    append_json(packets, static_cast<oi::PacketId>(id), readings.value[id]);
-  }
-  message.members(packets);
+void put_sensors(JsonObject& message, const SensorRecord& sensors, std::int64_t tick) {
+  message.number("tick", tick).number("robot_time_s", robot_time_s(tick));
+  put_columns(message, sensor_columns(), sensors);
 }
 
-void put_entry(JsonObject& message, const EventLog::Entry& entry) {
-  message.number("sequence", entry.sequence);
-  put_event(message, entry.event);
+void put_event(JsonObject& message, const EventRecord& event, std::int64_t sequence) {
+  message.number("sequence", sequence);
+  put_columns(message, event_columns(), event);
 }
 
 void put_statistics(JsonObject& message, const FeedStatistics& statistics) {

@@ -6,10 +6,9 @@
 #include <string>
 #include <string_view>
 
+#include "hal/columns/records.hpp"
 #include "hal/cycle/cycle_state.hpp"
 #include "hal/json_object.hpp"
-#include "hal/sensing/event_log.hpp"
-#include "hal/sensing/sensor_board.hpp"
 #include "rt/histogram.hpp"
 
 namespace cargobay::hal {
@@ -64,11 +63,11 @@ JsonObject message(FeedType type, std::uint64_t sequence);
 
 void put_hello(JsonObject& message, const FeedIdentity& of);
 void put_status(JsonObject& message, std::string_view stage, std::string_view text);
-// `unix_time_s`: of the frame's arrival.
-void put_state(JsonObject& message, const CycleState& state, double unix_time_s);
-// Every packet that has been read so far, with the tick of the newest frame.
-void put_sensors(JsonObject& message, const SensorReadings& readings, std::int64_t tick);
-void put_entry(JsonObject& message, const EventLog::Entry& entry);
+// The columns of the record (hal/columns).
+void put_state(JsonObject& message, const StateRecord& state);
+// Likewise: every packet that has been read so far. `tick`: of the newest frame.
+void put_sensors(JsonObject& message, const SensorRecord& sensors, std::int64_t tick);
+void put_event(JsonObject& message, const EventRecord& event, std::int64_t sequence);
 void put_statistics(JsonObject& message, const FeedStatistics& statistics);
 void put_holder(JsonObject& message, const std::optional<std::string>& name);
 

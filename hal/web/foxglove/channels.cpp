@@ -1,7 +1,7 @@
 #include "hal/web/foxglove/channels.hpp"
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -11,25 +11,26 @@
 namespace cargobay::web {
 namespace {
 
-constexpr auto kChannels = std::to_array<Channel>({
-    {ChannelId::hello, "/hello", "hello"},
-    {ChannelId::status, "/status", "status"},
-    {ChannelId::state, "/state", "state"},
-    {ChannelId::sensors, "/sensors", "sensors"},
-    {ChannelId::event, "/event", "event"},
-    {ChannelId::statistics, "/statistics", "statistics"},
-    {ChannelId::truth, "/truth", "truth"},
-    {ChannelId::virtual_create, "/virtual_create", "virtual_create"},
-    {ChannelId::world, "/world", "world"},
-    {ChannelId::holder, "/holder", "holder"},
-    {ChannelId::missed, "/missed", "missed"},
-    {ChannelId::pose, "/odometry/pose", "state"},
-    {ChannelId::path, "/odometry/path", "state"},
-    {ChannelId::transform, "/tf", "state"},
-    {ChannelId::log, "/log", "event"},
-    {ChannelId::scene, "/scene", "truth", "state"},
-    {ChannelId::true_pose, "/truth/pose", "truth", "state"},
-});
+using hal::FeedType;
+
+std::vector<Channel> made_channels() {
+  std::vector<Channel> all;
+  for (std::size_t i = 0; i < hal::kFeedTypes; ++i) {
+    const auto type = static_cast<FeedType>(i);
+    if (type == FeedType::answer || type == FeedType::controls) continue;  // for whoever steers
+    all.push_back({.id = own_channel(type),
+                   .topic = "/" + std::string{hal::name(type)},
+                   .feed_type = type,
+                   .is_own = true});
+  }
+  all.insert(all.end(), {{ChannelId::pose, "/odometry/pose", FeedType::state},
+                         {ChannelId::path, "/odometry/path", FeedType::state},
+                         {ChannelId::transform, "/tf", FeedType::state},
+                         {ChannelId::log, "/log", FeedType::event},
+                         {ChannelId::scene, "/scene", FeedType::truth, FeedType::state},
+                         {ChannelId::true_pose, "/truth/pose", FeedType::truth, FeedType::state}});
+  return all;
+}
 
 struct NamedSchema {
   std::string name;
@@ -48,32 +49,29 @@ NamedSchema schema_of(const Channel& channel) {
     case ChannelId::transform: return known(hal::frame_transform_schema());
     case ChannelId::log: return known(hal::log_schema());
     case ChannelId::scene: return {.name = "foxglove.SceneUpdate", .json = scene_update_schema()};
-    default:
-      return {.name = "cargobay." + std::string{channel.feed_type},
-              .json = feed_schema(channel.feed_type)};
   }
+  return {.name = "cargobay." + std::string{hal::name(channel.feed_type)},
+          .json = feed_schema(channel.feed_type)};
 }
 
 }  // namespace
 
-std::span<const Channel> channels() { return kChannels; }
-
-const Channel* find_channel(std::uint64_t id) {
-  const auto* const found = std::ranges::find_if(
-      kChannels, [id](const Channel& one) { return static_cast<std::uint64_t>(one.id) == id; });
-  return found == kChannels.end() ? nullptr : found;
+const std::vector<Channel>& channels() {
+  static const std::vector<Channel> kMade = made_channels();
+  return kMade;
 }
 
-const Channel* own_channel(std::string_view feed_type) {
-  const auto* const found = std::ranges::find(kChannels, feed_type, &Channel::feed_type);
-  return found == kChannels.end() ? nullptr : found;
+const Channel* find_channel(std::uint64_t id) {
+  const auto found = std::ranges::find_if(
+      channels(), [id](const Channel& one) { return static_cast<std::uint64_t>(one.id) == id; });
+  return found == channels().end() ? nullptr : &*found;
 }
 
 namespace {
 
 std::string made_advertisement() {
   nlohmann::json list = nlohmann::json::array();
-  for (const Channel& channel : kChannels) {
+  for (const Channel& channel : channels()) {
     const NamedSchema schema = schema_of(channel);
     list.push_back({{"id", static_cast<int>(channel.id)},
                     {"topic", channel.topic},

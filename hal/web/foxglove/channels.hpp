@@ -4,45 +4,38 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "hal/feed/message/messages.hpp"
 
 namespace cargobay::web {
 
+// The feed's own have the numbers of their types, from 1 on; these are made of them.
 enum class ChannelId : std::uint8_t {
-  // The feed's own, each with the type's name as its topic.
-  hello = 1,
-  status,
-  state,
-  sensors,
-  event,
-  statistics,
-  truth,
-  virtual_create,
-  world,
-  holder,
-  missed,
-  // Made of them.
-  pose,       // of the odometry
+  pose = 64,  // of the odometry
   path,       // the way so far
   transform,  // the frame of the robot in that of the odometry
   log,        // events in words
   scene,      // the virtual world
   true_pose,  // of the virtual Create
 };
+constexpr ChannelId own_channel(hal::FeedType type) {
+  return static_cast<ChannelId>(static_cast<unsigned>(type) + 1);
+}
 
 struct Channel {
-  ChannelId id = ChannelId::hello;
-  std::string_view topic;
-  std::string_view feed_type;  // what it is made of; one more if it needs it
-  std::string_view also{};
+  ChannelId id{};
+  std::string topic{};
+  hal::FeedType feed_type{};  // what it is made of; one more if it needs it
+  std::optional<hal::FeedType> also{};
+  bool is_own = false;  // of the feed
 };
 
-std::span<const Channel> channels();
+// Made once.
+const std::vector<Channel>& channels();
 const Channel* find_channel(std::uint64_t id);
-// The feed's own of that type, or null.
-const Channel* own_channel(std::string_view feed_type);
 
 // `advertise`, with schemas: JSON. Made once.
 const std::string& advertisement();

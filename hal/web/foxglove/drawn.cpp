@@ -11,6 +11,7 @@ namespace cargobay::web {
 namespace {
 
 using Json = nlohmann::json;
+using hal::heard::WorldItem;
 
 constexpr double kHeightMetres = 0.15;     // of walls, boxes and posts
 constexpr double kThicknessMetres = 0.02;  // of a wall
@@ -101,6 +102,14 @@ Json base(const Pose& origin, const WorldItem& item) {
 
 }  // namespace
 
+Pose in_metres(const rt::OdometryPose& pose) {
+  return {.x_m = metres(pose.x_mm), .y_m = metres(pose.y_mm), .heading_rad = pose.heading_rad};
+}
+
+rt::OdometryPose in_millimetres(const Pose& pose) {
+  return {.x_mm = pose.x_m * 1e3, .y_mm = pose.y_m * 1e3, .heading_rad = pose.heading_rad};
+}
+
 Pose placed_in(const Pose& frame, const Pose& relative) {
   const double c = std::cos(frame.heading_rad);
   const double s = std::sin(frame.heading_rad);
@@ -119,7 +128,7 @@ Pose seen_from(const Pose& frame, const Pose& pose) {
           .heading_rad = pose.heading_rad - frame.heading_rad};
 }
 
-std::string scene_update(std::int64_t unix_ns, const World& world, const Pose& origin) {
+std::string scene_update(std::int64_t unix_ns, const hal::heard::World& world, const Pose& origin) {
   Json cubes = Json::array();
   Json cylinders = Json::array();
   for (const WorldItem& item : world.walls) cubes.push_back(wall(origin, item));

@@ -1,18 +1,18 @@
 #include "hal/web/foxglove/foxglove_conversation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 #include <variant>
 
 #include <nlohmann/json.hpp>
 
-#include "hal/web/foxglove/drawn.hpp"
 #include "hal/web/foxglove/services.hpp"
 
 namespace cargobay::web {
 namespace {
 
+using hal::FeedType;
 using Json = nlohmann::json;
 
 constexpr std::string_view kNameParameter = "steer.name";
@@ -23,12 +23,16 @@ constexpr std::int64_t kPathEveryNs = 500'000'000;
 constexpr double kJumpMetres = 0.2;
 // Types of which all is read, since little comes of them.
 constexpr auto kRareTypes =
-    std::to_array<std::string_view>({"statistics", "virtual_create", "world"});
+    std::to_array<FeedType>({FeedType::statistics, FeedType::virtual_create, FeedType::world});
 
-bool is_kept(std::string_view type) {
-  constexpr auto kOthers = std::to_array<std::string_view>({"hello", "status", "holder"});
-  return std::ranges::find(kRareTypes, type) != kRareTypes.end() ||
-         std::ranges::find(kOthers, type) != kOthers.end();
+bool comes_unasked(FeedType type) {
+  return type == FeedType::hello || type == FeedType::status || type == FeedType::holder ||
+         type == FeedType::event || type == FeedType::missed;
+}
+
+bool is_kept(FeedType type) {
+  return std::ranges::find(kRareTypes, type) != kRareTypes.end() || type == FeedType::hello ||
+         type == FeedType::status || type == FeedType::holder;
 }
 
 void put_number(std::string& bytes, std::uint64_t number, unsigned length) {
@@ -36,25 +40,16 @@ void put_number(std::string& bytes, std::uint64_t number, unsigned length) {
     bytes += static_cast<char>(static_cast<unsigned char>(number >> 8U * i));
 }
 
+// A message of a channel.
+std::string data(std::uint32_t subscription, std::int64_t unix_ns, std::string_view payload) {
+  std::string bytes{1};
+  put_number(bytes, subscription, 4);
+  put_number(bytes, static_cast<std::uint64_t>(unix_ns), 8);
+  return bytes += payload;
+}
+
 std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-// In two parts: all of it in nanoseconds is more than a double holds.
-std::int64_t nanoseconds(double time_s) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  constexpr double kMostSeconds = 4e9;  // beyond which it is no time of ours
-  if (!(time_s >= 0.0 && time_s < kMostSeconds)) return 0;
-  const double whole_s = std::floor(time_s);
-  return std::llround(whole_s) * kSecond + std::llround((time_s - whole_s) * 1e9);
-}
-
-rt::OdometryPose as_odometry(const Pose& pose) {
-  rt::OdometryPose result;
-  result.x_mm = pose.x_m * 1e3;
-  result.y_mm = pose.y_m * 1e3;
-  result.heading_rad = pose.heading_rad;
-  return result;
 }
 
 }  // namespace
@@ -100,14 +95,15 @@ void FoxgloveConversation::act(const client_message::Subscribe& message) {
     subscriptions_[subscription] = found->id;
     if (found->id == ChannelId::scene) is_scene_due_ = true;
     choose();
-    // What does not come again soon comes now.
-    const auto newest = newest_.find(found->feed_type);
-    if (newest == newest_.end() || own_channel(found->feed_type) != found) continue;
-    std::string bytes{1};
-    put_number(bytes, subscription, 4);
-    put_number(bytes, 0, 8);
-    send_binary(bytes + newest->second);
+    publish_newest(subscription, *found);
   }
+}
+
+// What does not come again soon comes now.
+void FoxgloveConversation::publish_newest(std::uint32_t subscription, const Channel& channel) {
+  const auto newest = newest_.find(channel.feed_type);
+  if (newest == newest_.end() || !channel.is_own) return;
+  send_binary(data(subscription, newest->second.unix_ns, newest->second.line));
 }
 
 void FoxgloveConversation::act(const client_message::Unsubscribe& message) {
@@ -195,7 +191,7 @@ void FoxgloveConversation::act(const client_message::ServiceCall& message) {
   }
   client_message::ServiceCall call = message;
   call.payload.clear();
-  const auto done = [this, call](const FeedAnswer& answer) { answer_call(call, answer); };
+  const auto done = [this, call](const hal::heard::Answer& answer) { answer_call(call, answer); };
   if (!steering_.ask(*request, done)) fail_call(call, "the feed does not answer");
 }
 
@@ -213,7 +209,7 @@ void FoxgloveConversation::fail_call(const client_message::ServiceCall& call,
 }
 
 void FoxgloveConversation::answer_call(const client_message::ServiceCall& call,
-                                       const FeedAnswer& answer) {
+                                       const hal::heard::Answer& answer) {
   std::string bytes{3};
   put_number(bytes, call.service, 4);
   put_number(bytes, call.call, 4);
@@ -236,57 +232,57 @@ void FoxgloveConversation::send_parameters(const std::set<std::string>& names,
 
 // Which types the feed is to send: all that come rarely, the others if somebody wants them.
 void FoxgloveConversation::choose() {
-  std::set<std::string> types{kRareTypes.begin(), kRareTypes.end()};
+  std::set<FeedType> types{kRareTypes.begin(), kRareTypes.end()};
   for (const auto& [subscription, id] : subscriptions_) {
     const Channel* const channel = find_channel(static_cast<std::uint64_t>(id));
-    types.emplace(channel->feed_type);
-    if (!channel->also.empty()) types.emplace(channel->also);
+    types.insert(channel->feed_type);
+    if (channel->also) types.insert(*channel->also);
   }
-  for (const char* const always : {"hello", "status", "holder", "event", "missed"})
-    types.erase(always);
+  std::erase_if(types, comes_unasked);
   if (types == chosen_) return;
   chosen_ = types;
-  request(dump({{"do", "subscribe"}, {"types", types}}));
+  Json names = Json::array();
+  for (const FeedType type : types) names.push_back(hal::name(type));
+  request(dump({{"do", "subscribe"}, {"types", names}}));
 }
 
 // From the feed.
 
-void FoxgloveConversation::greet(std::string_view hello) {
-  for (const Constant& constant : read_constants(hello)) parameters_[constant.name] = constant.json;
+void FoxgloveConversation::tell(std::string_view line, std::int64_t unix_ns) {
+  const auto message = hal::read_message(line);
+  if (!message) return;
+  const std::int64_t time = message->unix_ns != 0 ? message->unix_ns : unix_ns;
+  if (is_kept(message->type)) newest_[message->type] = {.unix_ns = time, .line = std::string{line}};
+  publish(own_channel(message->type), time, line);
+  take(*message, time);
+}
+
+void FoxgloveConversation::take(const hal::HeardMessage& message, std::int64_t unix_ns) {
+  if (const auto* const answer = std::get_if<hal::heard::Answer>(&message.what))
+    steering_.answered(*answer);
+  if (const auto* const hello = std::get_if<hal::heard::Hello>(&message.what)) greet(*hello);
+  if (const auto* const holder = std::get_if<hal::heard::Holder>(&message.what))
+    tell_holder(holder->name);
+  if (const auto* const world = std::get_if<hal::heard::World>(&message.what)) world_ = *world;
+  if (const auto* const record = std::get_if<hal::StateRecord>(&message.what))
+    publish_state(record->state.pose, unix_ns);
+  if (const auto* const truth = std::get_if<hal::heard::Truth>(&message.what))
+    publish_truth(truth->pose, unix_ns);
+  if (const auto* const event = std::get_if<hal::heard::Event>(&message.what))
+    publish_log(event->what, event->text, false, unix_ns);
+  if (const auto* const status = std::get_if<hal::heard::Status>(&message.what))
+    publish_log(status->stage.value_or(""), status->text, status->stage == "lost", unix_ns);
+}
+
+void FoxgloveConversation::greet(const hal::heard::Hello& hello) {
+  for (const auto& [name, value] : hello.constants) parameters_[name] = value;
   chosen_.clear();
   choose();
 }
 
-std::int64_t FoxgloveConversation::time_of(const FeedMessage& message, std::int64_t unix_ns) {
-  if (message.unix_time_s) {
-    if (message.time_s) robot_epoch_s_ = *message.unix_time_s - *message.time_s;
-    return nanoseconds(*message.unix_time_s);
-  }
-  if (message.time_s && robot_epoch_s_) return nanoseconds(*robot_epoch_s_ + *message.time_s);
-  return unix_ns;
-}
-
-void FoxgloveConversation::tell(std::string_view line, std::int64_t unix_ns) {
-  const auto message = read_feed_message(line);
-  if (!message) return;
-  if (message->type == "answer") {
-    if (message->answer) steering_.answered(*message->answer);
-    return;
-  }
-  if (message->type == "hello") greet(line);
-  if (message->type == "holder") tell_holder(*message);
-  if (message->type == "world") world_ = line;
-  if (is_kept(message->type)) newest_[message->type] = line;
-  const std::int64_t time = time_of(*message, unix_ns);
-  if (const Channel* const own = own_channel(message->type)) publish(own->id, time, line);
-  if (message->type == "state" && message->pose) publish_state(*message, time);
-  if (message->type == "truth" && message->pose) publish_truth(*message, time);
-  if (message->type == "event" || message->type == "status") publish_log(*message, time);
-}
-
-void FoxgloveConversation::tell_holder(const FeedMessage& message) {
-  steering_.held_by(message.name);
-  parameters_[std::string{kHolderParameter}] = dump(Json(message.name.value_or("")));
+void FoxgloveConversation::tell_holder(const std::optional<std::string>& name) {
+  steering_.held_by(name);
+  parameters_[std::string{kHolderParameter}] = dump(Json(name.value_or("")));
   if (watched_.contains(std::string{kHolderParameter}))
     send_parameters({std::string{kHolderParameter}}, "");
 }
@@ -299,24 +295,18 @@ bool FoxgloveConversation::is_wanted(ChannelId channel) const {
 void FoxgloveConversation::publish(ChannelId channel, std::int64_t unix_ns,
                                    std::string_view payload) {
   for (const auto& [subscription, wanted] : subscriptions_) {
-    if (wanted != channel) continue;
-    std::string bytes{1};
-    put_number(bytes, subscription, 4);
-    put_number(bytes, static_cast<std::uint64_t>(unix_ns), 8);
-    bytes += payload;
-    send_binary(std::move(bytes));
+    if (wanted == channel) send_binary(data(subscription, unix_ns, payload));
   }
 }
 
-void FoxgloveConversation::publish_state(const FeedMessage& message, std::int64_t unix_ns) {
-  const Pose& pose = *message.pose;
+void FoxgloveConversation::publish_state(const rt::OdometryPose& odometry, std::int64_t unix_ns) {
+  const Pose pose = in_metres(odometry);
   if (odometry_ && std::hypot(pose.x_m - odometry_->x_m, pose.y_m - odometry_->y_m) > kJumpMetres) {
     origin_.reset();
     is_scene_due_ = true;
     way_ = {};
   }
   odometry_ = pose;
-  const rt::OdometryPose odometry = as_odometry(pose);
   way_.add(odometry);
   std::string payload;
   if (is_wanted(ChannelId::pose)) {
@@ -338,23 +328,24 @@ void FoxgloveConversation::publish_state(const FeedMessage& message, std::int64_
 
 // The world is drawn in the frame of the odometry, so that one frame is enough: at first the two
 // agree; later the truth shows how far the odometry has drifted.
-void FoxgloveConversation::publish_truth(const FeedMessage& message, std::int64_t unix_ns) {
+void FoxgloveConversation::publish_truth(const rt::OdometryPose& truth, std::int64_t unix_ns) {
   if (!odometry_) return;
-  if (!origin_) origin_ = placed_in(*odometry_, seen_from(*message.pose, Pose{}));
-  if (is_scene_due_ && !world_.empty() && is_wanted(ChannelId::scene)) {
+  const Pose pose = in_metres(truth);
+  if (!origin_) origin_ = placed_in(*odometry_, seen_from(pose, Pose{}));
+  if (is_scene_due_ && world_ && is_wanted(ChannelId::scene)) {
     is_scene_due_ = false;
-    publish(ChannelId::scene, unix_ns, scene_update(unix_ns, read_world(world_), *origin_));
+    publish(ChannelId::scene, unix_ns, scene_update(unix_ns, *world_, *origin_));
   }
   if (!is_wanted(ChannelId::true_pose)) return;
   std::string payload;
-  hal::append_pose_in_frame(payload, unix_ns, as_odometry(placed_in(*origin_, *message.pose)));
+  hal::append_pose_in_frame(payload, unix_ns, in_millimetres(placed_in(*origin_, pose)));
   publish(ChannelId::true_pose, unix_ns, payload);
 }
 
-void FoxgloveConversation::publish_log(const FeedMessage& message, std::int64_t unix_ns) {
-  if (!is_wanted(ChannelId::log)) return;
-  const bool is_warning = message.type == "status" && message.what == "lost";
-  publish(ChannelId::log, unix_ns, log_message(unix_ns, message.what, message.text, is_warning));
+void FoxgloveConversation::publish_log(std::string_view name, std::string_view text,
+                                       bool is_warning, std::int64_t unix_ns) {
+  if (is_wanted(ChannelId::log))
+    publish(ChannelId::log, unix_ns, log_message(unix_ns, name, text, is_warning));
 }
 
 }  // namespace cargobay::web

@@ -10,10 +10,11 @@
 #include <string_view>
 
 #include "hal/export/foxglove_schemas.hpp"
+#include "hal/feed/message/reading.hpp"
 #include "hal/web/conversation.hpp"
-#include "hal/web/feed_message.hpp"
 #include "hal/web/foxglove/channels.hpp"
 #include "hal/web/foxglove/client_message.hpp"
+#include "hal/web/foxglove/drawn.hpp"
 #include "hal/web/foxglove/steering.hpp"
 #include "rt/clock.hpp"
 
@@ -43,35 +44,40 @@ class FoxgloveConversation final : public Conversation {
   void act(const client_message::ServiceCall& message);
   void act(const client_message::Other& message);
 
-  void greet(std::string_view hello);
+  void take(const hal::HeardMessage& message, std::int64_t unix_ns);
+  void greet(const hal::heard::Hello& hello);
   void choose();
   void complain(std::string_view text);
   void fail_call(const client_message::ServiceCall& call, std::string_view text);
-  void answer_call(const client_message::ServiceCall& call, const FeedAnswer& answer);
+  void answer_call(const client_message::ServiceCall& call, const hal::heard::Answer& answer);
   void send_parameters(const std::set<std::string>& names, const std::string& id);
-  void tell_holder(const FeedMessage& message);
+  void tell_holder(const std::optional<std::string>& name);
 
   bool is_wanted(ChannelId channel) const;
   void publish(ChannelId channel, std::int64_t unix_ns, std::string_view payload);
-  void publish_state(const FeedMessage& message, std::int64_t unix_ns);
-  void publish_truth(const FeedMessage& message, std::int64_t unix_ns);
-  void publish_log(const FeedMessage& message, std::int64_t unix_ns);
-  std::int64_t time_of(const FeedMessage& message, std::int64_t unix_ns);
+  void publish_newest(std::uint32_t subscription, const Channel& channel);
+  void publish_state(const rt::OdometryPose& odometry, std::int64_t unix_ns);
+  void publish_truth(const rt::OdometryPose& truth, std::int64_t unix_ns);
+  void publish_log(std::string_view name, std::string_view text, bool is_warning,
+                   std::int64_t unix_ns);
 
-  std::map<std::uint32_t, ChannelId> subscriptions_{};        // by the client's numbers
-  std::set<std::uint32_t> velocity_channels_{};               // likewise
-  std::set<std::string> watched_{};                           // parameters
-  std::map<std::string, std::string> parameters_{};           // name and JSON
-  std::map<std::string, std::string, std::less<>> newest_{};  // lines, of types that come rarely
+  std::map<std::uint32_t, ChannelId> subscriptions_{};  // by the client's numbers
+  std::set<std::uint32_t> velocity_channels_{};         // likewise
+  std::set<std::string> watched_{};                     // parameters
+  std::map<std::string, std::string> parameters_{};     // name and JSON
+  struct Newest {
+    std::int64_t unix_ns = 0;
+    std::string line{};
+  };
+  std::map<hal::FeedType, Newest> newest_{};  // of types that come rarely
   Steering steering_;
   hal::WaySoFar way_{};
   std::int64_t path_sent_ns_ = 0;
-  std::optional<double> robot_epoch_s_{};  // when the robot's time was 0
-  std::optional<Pose> odometry_{};         // the newest
-  std::optional<Pose> origin_{};           // of the world, in the frame of the odometry
-  std::string world_{};                    // the line
+  std::optional<Pose> odometry_{};  // the newest
+  std::optional<Pose> origin_{};    // of the world, in the frame of the odometry
+  std::optional<hal::heard::World> world_{};
   bool is_scene_due_ = true;
-  std::set<std::string> chosen_{};  // types, of the feed
+  std::set<hal::FeedType> chosen_{};  // of the feed
 };
 
 }  // namespace cargobay::web

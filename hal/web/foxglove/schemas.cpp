@@ -6,6 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/columns/records.hpp"
+#include "hal/export/json_schema.hpp"
+
 namespace cargobay::web {
 namespace {
 
@@ -16,37 +19,40 @@ struct Members {
   std::string_view kind;  // a JSON type, or one of ours
   std::string_view names;
 };
-struct FeedType {
-  std::string_view name;
-  std::array<Members, 6> members{};
+// What a message has beside the columns of its record.
+struct MessageMembers {
+  hal::FeedType type;
+  std::array<Members, 4> members{};
 };
 
-constexpr auto kFeedTypes = std::to_array<FeedType>({
-    {"hello",
+constexpr auto kMessages = std::to_array<MessageMembers>({
+    {hal::FeedType::hello,
      {{{"integer", "feed pid baud"},
        {"string", "cargobay program port robot"},
        {"boolean", "steerable"},
        {"number", "wheel_base_mm max_speed_mm_s tick_s setpoint_lapse_s lease_s"}}}},
-    {"status", {{{"string", "stage text"}}}},
-    {"state",
-     {{{"integer", "tick"},
-       {"number", "time_s unix_time_s battery_mv distance_mm"},
-       {"string", "mode"},
-       {"wheels", "target_mm_s set_mm_s estimate_mm_s command_mm_s"},
-       {"boolean", "setpoint_lapsed"},
-       {"place", "pose covariance"}}}},
-    {"sensors", {{{"integer", "tick"}, {"number", "time_s"}}}},
-    {"event", {{{"integer", "sequence tick"}, {"number", "time_s"}, {"string", "what text"}}}},
-    {"statistics",
+    {hal::FeedType::status, {{{"string", "stage text"}}}},
+    {hal::FeedType::sensors, {{{"integer", "tick"}, {"number", "robot_time_s"}}}},
+    {hal::FeedType::event, {{{"integer", "sequence"}}}},
+    {hal::FeedType::statistics,
      {{{"integer", "unsent withheld refused clients missed"},
        {"object", "frames overruns period_ns frame_to_command_ns"}}}},
-    {"truth", {{{"number", "time_s"}, {"wheels", "wheel_mm_s"}, {"place", "pose"}}}},
-    {"virtual_create", {{{"object", "state"}}}},
-    {"world",
+    {hal::FeedType::truth,
+     {{{"number", "time_s unix_time_s"}, {"wheels", "wheel_mm_s"}, {"pose", "pose"}}}},
+    {hal::FeedType::virtual_create, {{{"object", "state"}}}},
+    {hal::FeedType::world,
      {{{"array", "walls boxes posts cliffs virtual_walls"}, {"number", "robot_radius_mm"}}}},
-    {"holder", {{{"string", "name"}}}},
-    {"missed", {{{"integer", "messages"}}}},
+    {hal::FeedType::holder, {{{"string", "name"}}}},
+    {hal::FeedType::missed, {{{"integer", "messages"}}}},
 });
+
+// The record that a message is, if it is one.
+const hal::TopicInfo* record_of(hal::FeedType type) {
+  if (type == hal::FeedType::state) return &hal::info(hal::Topic::states);
+  if (type == hal::FeedType::sensors) return &hal::info(hal::Topic::sensors);
+  if (type == hal::FeedType::event) return &hal::info(hal::Topic::events);
+  return nullptr;
+}
 
 Json numbers(std::initializer_list<const char*> names) {
   Json properties = Json::object();
@@ -54,12 +60,10 @@ Json numbers(std::initializer_list<const char*> names) {
   return {{"type", "object"}, {"properties", properties}};
 }
 
-Json kind_schema(std::string_view kind, std::string_view name) {
+Json kind_schema(std::string_view kind) {
   if (kind == "wheels") return numbers({"left", "right"});
-  if (kind != "place") return {{"type", kind}};
-  if (name == "covariance")
-    return numbers({"xx_mm2", "xy_mm2", "yy_mm2", "xh_mm_rad", "yh_mm_rad", "hh_rad2"});
-  return numbers({"x_mm", "y_mm", "heading_rad", "heading_deg"});
+  if (kind == "pose") return numbers({"x_mm", "y_mm", "heading_deg"});
+  return {{"type", kind}};
 }
 
 void add_members(Json& properties, const Members& members) {
@@ -67,7 +71,7 @@ void add_members(Json& properties, const Members& members) {
   while (!names.empty()) {
     const std::string_view name = names.substr(0, names.find(' '));
     names.remove_prefix(std::min(names.size(), name.size() + 1));
-    properties[std::string{name}] = kind_schema(members.kind, name);
+    properties[std::string{name}] = kind_schema(members.kind);
   }
 }
 
@@ -98,15 +102,19 @@ Json solid() {
 
 }  // namespace
 
-std::string feed_schema(std::string_view type) {
-  Json properties{{"type", {{"type", "string"}}}, {"seq", {{"type", "integer"}}}};
-  const auto* const found = std::ranges::find(kFeedTypes, type, &FeedType::name);
-  if (found != kFeedTypes.end()) {
+std::string feed_schema(hal::FeedType type) {
+  Json schema{{"type", "object"}};
+  if (const hal::TopicInfo* const record = record_of(type))
+    schema = Json::parse(hal::json_schema(*record));
+  schema["title"] = "cargobay." + std::string{hal::name(type)};
+  Json& properties = schema["properties"];
+  properties["type"] = {{"type", "string"}};
+  properties["seq"] = {{"type", "integer"}};
+  const auto* const found = std::ranges::find(kMessages, type, &MessageMembers::type);
+  if (found != kMessages.end()) {
     for (const Members& members : found->members) add_members(properties, members);
   }
-  return Json{
-      {"title", "cargobay." + std::string{type}}, {"type", "object"}, {"properties", properties}}
-      .dump();
+  return schema.dump();
 }
 
 std::string scene_update_schema() {

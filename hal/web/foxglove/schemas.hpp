@@ -2,12 +2,13 @@
 #pragma once
 
 #include <string>
-#include <string_view>
+
+#include "hal/feed/message/messages.hpp"
 
 namespace cargobay::web {
 
 // Of the feed's messages of that type (docs/feed.md). Permits more members than it names.
-std::string feed_schema(std::string_view type);
+std::string feed_schema(hal::FeedType type);
 
 // foxglove.SceneUpdate, as far as drawn.hpp makes it.
 std::string scene_update_schema();

@@ -1,5 +1,6 @@
 #include "hal/web/foxglove/steering.hpp"
 
+#include <charconv>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -37,7 +38,7 @@ bool Steering::drive(const Velocity& velocity, std::function<void(const std::str
   const bool sent =
       send(R"("do":"hold","name":)" +
                name.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + take,
-           [this](const FeedAnswer& answer) {
+           [this](const hal::heard::Answer& answer) {
              asks_for_lease_ = false;
              holds_ = answer.ok;
              if (holds_) {
@@ -56,7 +57,7 @@ void Steering::send_velocity() {
   const std::string members =
       R"("do":"drive","velocity_mm_s":)" + nlohmann::json(velocity.linear_m_s * 1e3).dump() +
       R"(,"turn_rate_rad_s":)" + nlohmann::json(velocity.angular_rad_s).dump();
-  (void)send(members, [this](const FeedAnswer& answer) {
+  (void)send(members, [this](const hal::heard::Answer& answer) {
     if (!answer.ok && holds_) refuse(answer.error);
   });
 }
@@ -72,11 +73,13 @@ void Steering::release() {
   wanted_.reset();
   if (!holds_ && !asks_for_lease_) return;
   holds_ = false;
-  (void)ask("release", [](const FeedAnswer& /*answer*/) {});
+  (void)ask("release", [](const hal::heard::Answer& /*answer*/) {});
 }
 
-void Steering::answered(const FeedAnswer& answer) {
-  const auto found = unanswered_.find(answer.id);
+void Steering::answered(const hal::heard::Answer& answer) {
+  std::uint64_t id = 0;  // of which there is none
+  (void)std::from_chars(answer.id.data(), answer.id.data() + answer.id.size(), id);
+  const auto found = unanswered_.find(id);
   if (found == unanswered_.end()) return;
   const Done done = std::move(found->second);
   unanswered_.erase(found);

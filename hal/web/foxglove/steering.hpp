@@ -12,7 +12,7 @@
 #include <string_view>
 #include <utility>
 
-#include "hal/web/feed_message.hpp"
+#include "hal/feed/message/reading.hpp"
 #include "hal/web/foxglove/client_message.hpp"
 #include "rt/clock.hpp"
 
@@ -22,7 +22,7 @@ namespace cargobay::web {
 class Steering {
  public:
   // What its requests are for. Each gets a number, by which its answer is known.
-  using Done = std::function<void(const FeedAnswer&)>;
+  using Done = std::function<void(const hal::heard::Answer&)>;
 
   // `request` sends a line to the feed, `now` is the time.
   Steering(std::function<void(std::string)> request, std::function<rt::TimePoint()> now)
@@ -51,7 +51,7 @@ class Steering {
   bool ask(std::string_view what, Done done);
   void release();
 
-  void answered(const FeedAnswer& answer);
+  void answered(const hal::heard::Answer& answer);
   // Who steers has changed.
   void held_by(const std::optional<std::string>& name);
 

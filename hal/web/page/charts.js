@@ -45,13 +45,14 @@ export class SpeedCharts {
 
   #take(state) {
     const last = this.rows.left.at(-1);
-    if (last && state.time_s < last[0]) for (const side of this.sides) this.rows[side].length = 0;
+    const now_s = state.robot_time_s;
+    if (last && now_s < last[0]) for (const side of this.sides) this.rows[side].length = 0;
     for (const side of this.sides) {
       const rows = this.rows[side];
-      const row = [state.time_s, value(state.set_mm_s, side), value(state.estimate_mm_s, side),
+      const row = [now_s, value(state.set_mm_s, side), value(state.estimate_mm_s, side),
         value(this.truth, side)];
       rows.push(row);
-      while (rows.length > kMostRows || rows[0][0] < state.time_s - kWindow_s) rows.shift();
+      while (rows.length > kMostRows || rows[0][0] < now_s - kWindow_s) rows.shift();
     }
     this.fresh = true;
     this.state = state;

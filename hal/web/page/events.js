@@ -21,10 +21,10 @@ export class Events {
     if (pid !== this.pid) this.last = -1;
     this.pid = pid;
   }
-  #take({ sequence, what, time_s, text }) {
+  #take({ sequence, what, robot_time_s, text }) {
     if (sequence !== undefined && sequence <= this.last) return;
     this.last = sequence ?? this.last;
-    this.#add(what, time_s, text);
+    this.#add(what, robot_time_s, text);
   }
   #addStage({ stage, text }) {
     if (stage === this.stage) return;

@@ -88,8 +88,8 @@ export class RobotMap {
 
   #takeState(state) {
     const before = this.state;
-    if (before && (state.time_s < before.time_s ||
-        jumped(before.pose, state.pose, state.time_s - before.time_s))) {
+    if (before && (state.robot_time_s < before.robot_time_s ||
+        jumped(before.pose, state.pose, state.robot_time_s - before.robot_time_s))) {
       this.frame = null;
       this.track.gap();
     }
@@ -127,7 +127,7 @@ export class RobotMap {
     const kind = { bump_began: "bump", mode_lost: "hazard" }[event.what];
     const pose = this.truth ?? this.odometry;
     // A new connection begins with what happened before, elsewhere.
-    const late_s = this.state ? this.state.time_s - event.time_s : Infinity;
+    const late_s = this.state ? this.state.robot_time_s - event.robot_time_s : Infinity;
     if (!kind || !pose || Math.abs(late_s) > kLate_s) return;
     const sides = String(event.bumps ?? "");
     const turn = sides.includes("left") - sides.includes("right");

@@ -1,6 +1,6 @@
 #include "hal/web/server/newest_state.hpp"
 
-#include "hal/web/feed_message.hpp"
+#include "hal/feed/message/reading.hpp"
 
 namespace cargobay::web {
 
@@ -19,8 +19,8 @@ void StateFollower::attach(lws_vhost* host) {
 NewestState StateFollower::newest() const { return {.json = state_, .reason = reason_}; }
 
 void StateFollower::line(std::string_view line) {
-  const auto message = read_feed_message(line);
-  if (message && message->type == "state") state_ = line;
+  const auto message = hal::read_message(line);
+  if (message && message->type == hal::FeedType::state) state_ = line;
 }
 
 void StateFollower::feed_gone() {

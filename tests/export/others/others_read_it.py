@@ -158,7 +158,7 @@ class Tables(unittest.TestCase):
         self.assertTrue((self.numpy.diff(states["tick"]) == 1).all())
         self.assertTrue(self.numpy.isnan(states["reading.distance_mm"]).any())
         self.assertIn(("bump_left",), list(states["bumps"]))
-        self.assertGreater(abs(states["x_mm"][-1]), 0.0)
+        self.assertGreater(abs(states["pose.x_mm"][-1]), 0.0)
 
     def test_they_are_the_same_from_each_format(self):
         for name in ("drive.jsonl", "drive.rec"):

@@ -58,7 +58,7 @@ TEST(JsonObject, ReplacesWhatIsNotUtf8) {
   for (const std::string wrong : {"\xff", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf5\x80\x80\x80"}) {
     const std::string text = json_text("a" + wrong + "b");
     ASSERT_TRUE(json::accept(text)) << text;
-    EXPECT_NE(text.find('?'), std::string::npos);
+    EXPECT_NE(text.find("\xEF\xBF\xBD"), std::string::npos);
   }
   EXPECT_EQ(json_text("\xf0\x9f\xa4\x96"), "\"\xf0\x9f\xa4\x96\"");
 }

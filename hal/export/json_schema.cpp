@@ -1,4 +1,4 @@
-#include "hal/export/columns.hpp"
+#include "hal/export/json_schema.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -45,14 +45,6 @@ std::string json_schema(const TopicInfo& topic) {
               {"type", "object"},
               {"properties", std::move(properties)}}
       .dump();
-}
-
-std::string markdown_rows(const TopicInfo& topic) {
-  std::string out;
-  for (const ColumnInfo* const column : topic.columns) {
-    out += "| `" + column->path + "` | " + column->unit + " | " + column->meaning + " |\n";
-  }
-  return out;
 }
 
 }  // namespace cargobay::hal

@@ -1,11 +1,8 @@
-#include "hal/export/value.hpp"
+#include "hal/columns/value.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <utility>
 
-#include <nlohmann/json.hpp>
+#include "hal/json_object.hpp"
 
 namespace cargobay::hal {
 namespace {
@@ -17,25 +14,12 @@ struct Overloaded : Cases... {
 template <typename... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-void append_number(std::string& out, std::int64_t number) {
-  std::array<char, 24> digits{};
-  const auto end = std::to_chars(digits.begin(), digits.end(), number);
-  out.append(digits.data(), end.ptr);
-}
+void append_number(std::string& out, std::int64_t number) { out += digits(number); }
 
 void append_number(std::string& out, double number) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.begin(), digits.end(), number);
-  const std::string_view text{digits.data(), end.ptr};
+  const std::string text = digits(number);
   out += text;
-  if (text.find_first_of(".e") == std::string_view::npos) out += ".0";
-}
-
-bool plain(std::string_view text) {
-  for (const char c : text) {
-    if (c < 0x20 || c == '"' || c == '\\' || c == 0x7F) return false;  // beyond ASCII is negative
-  }
-  return true;
+  if (text.find_first_of(".e") == std::string::npos) out += ".0";
 }
 
 void append_quoted_csv(std::string& out, std::string_view text) {
@@ -59,27 +43,18 @@ bool known(const Value& value) {
                            : !std::holds_alternative<std::monostate>(value);
 }
 
-void append_json_text(std::string& out, std::string_view text) {
-  if (plain(text)) {
-    ((out += '"') += text) += '"';
-    return;
-  }
-  using nlohmann::json;
-  out += json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 void append_json(std::string& out, const Value& value) {
   if (!known(value)) {
     out += "null";
     return;
   }
   std::visit(Overloaded{[](std::monostate) {}, [&](bool truth) { out += truth ? "true" : "false"; },
-                        [&](const std::string& text) { append_json_text(out, text); },
+                        [&](const std::string& text) { out += json_text(text); },
                         [&](const std::vector<std::string_view>& words) {
                           out += '[';
                           for (std::size_t i = 0; i < words.size(); ++i) {
                             if (i > 0) out += ',';
-                            append_json_text(out, words[i]);
+                            out += json_text(words[i]);
                           }
                           out += ']';
                         },
@@ -102,29 +77,31 @@ void append_csv(std::string& out, const Value& value) {
              value);
 }
 
-void ObjectWriter::put(std::string_view path, const Value& value) {
+void MemberWriter::put(std::string_view path, const Value& value) {
   if (!known(value)) return;
   const std::size_t dot = path.find('.');
   const std::string_view group =
       dot == std::string_view::npos ? std::string_view{} : path.substr(0, dot);
   if (group != group_) {
-    if (!group_.empty()) out_ += '}';
-    after_member_ = after_member_ || !group_.empty();
+    end();
     group_ = group;
     if (!group.empty()) {
-      if (std::exchange(after_member_, false)) out_ += ',';
-      ((out_ += '"') += group) += "\":{";
+      key(group);
+      out_ += '{';
     }
   }
-  if (std::exchange(after_member_, true)) out_ += ',';
-  ((out_ += '"') += group.empty() ? path : path.substr(dot + 1)) += "\":";
+  key(group.empty() ? path : path.substr(dot + 1));
   append_json(out_, value);
 }
 
-void ObjectWriter::close() {
+void MemberWriter::end() {
   if (!group_.empty()) out_ += '}';
-  out_ += '}';
   group_ = {};
+}
+
+void MemberWriter::key(std::string_view name) {
+  if (!out_.ends_with('{')) out_ += ',';
+  ((out_ += '"') += name) += "\":";
 }
 
 }  // namespace cargobay::hal

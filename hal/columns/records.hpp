@@ -1,15 +1,16 @@
-// What others can read of a drive: a state for each frame, the sensors that the frame carried, the
-// events, and the commands that were sent. Each kind has its table of columns. Nothing here needs a
-// recording: what is published while the robot drives has the same columns.
+// What others can read of a drive, while it goes on and afterwards: a state for each frame, the
+// sensors that the frame carried, the events, and the commands that were sent. Each kind has its
+// table of columns.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "hal/columns/columns.hpp"
 #include "hal/cycle/cycle_state.hpp"
-#include "hal/export/columns.hpp"
 #include "hal/sensing/events.hpp"
 #include "oi/sensors.hpp"
 
@@ -17,8 +18,9 @@ namespace cargobay::hal {
 
 // When it was.
 struct Stamp {
-  std::int64_t unix_ns = 0;  // since 1970 UTC
-  double time_s = 0.0;       // since the beginning, by a clock that is not set meanwhile
+  std::int64_t unix_ns = 0;  // since 1970 UTC; 0: not known
+  // Since the beginning, by a clock that is not set meanwhile.
+  double time_s = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct StateRecord {
@@ -50,6 +52,11 @@ struct CommandRecord {
   std::span<const std::uint8_t> bytes{};  // one whole command, or what is none
 };
 
+// Of the robot, since the first frame. In whole milliseconds, which have few digits.
+double robot_time_s(std::int64_t tick);
+// Of a time in seconds since 1970; 0 if it is none of ours.
+std::int64_t unix_ns(double unix_time_s);
+
 // Tables that are made once. Any thread.
 const Columns<StateRecord>& state_columns();
 const Columns<SensorRecord>& sensor_columns();
@@ -68,17 +75,18 @@ Columns<Record> stamp_columns() {
   Columns<Record> columns;
   columns.push_back({{"unix_time_s", kNumber, "s", "When it was, since 1970 UTC"},
                      [](const Record& record) -> Value {
+                       if (record.stamp.unix_ns == 0) return {};
                        return static_cast<double>(record.stamp.unix_ns) / 1e9;
+                     },
+                     [](Record& record, const Value& value) {
+                       record.stamp.unix_ns = unix_ns(std::get<double>(value));
                      }});
-  columns.push_back({{"time_s", kNumber, "s",
-                      "The same, since the beginning, by a clock that is not set meanwhile"},
-                     [](const Record& record) -> Value { return record.stamp.time_s; }});
+  columns.push_back(
+      {{"time_s", kNumber, "s",
+        "The same, since the beginning, by a clock that is not set meanwhile"},
+       [](const Record& record) -> Value { return record.stamp.time_s; },
+       [](Record& record, const Value& value) { record.stamp.time_s = std::get<double>(value); }});
   return columns;
 }
-
-// The names of the bits that are set.
-std::vector<std::string_view> names(Hazards hazards);
-std::vector<std::string_view> names(Limits limits);
-std::vector<std::string_view> names(Bumps bumps);
 
 }  // namespace cargobay::hal

@@ -1,4 +1,4 @@
-#include "hal/export/records.hpp"
+#include "hal/columns/records.hpp"
 #include "oi/dialect.hpp"
 #include "oi/packet_table.hpp"
 #include "oi/value_names.hpp"
@@ -18,6 +18,17 @@ void add(SensorTable& table, const ColumnInfo& info, PacketId packet, auto get) 
                    }});
 }
 
+void add_sum(SensorTable& table, PacketId packet, const char* unit,
+             std::int64_t SensorRecord::* sum) {
+  add(table,
+      {std::string{oi::kCreate.packet(packet).key} + "_sum", Kind::whole, unit,
+       "Added up since the beginning"},
+      packet, [sum](const SensorRecord& record) { return record.*sum; });
+  table.back().take = [sum](SensorRecord& record, const Value& value) {
+    record.*sum = std::get<std::int64_t>(value);
+  };
+}
+
 void add_packet(SensorTable& table, const oi::PacketInfo& info) {
   const auto packet = static_cast<PacketId>(info.id);
   const std::string key{info.key};
@@ -26,6 +37,11 @@ void add_packet(SensorTable& table, const oi::PacketInfo& info) {
       {key, Kind::whole, std::string{oi::symbol(info.unit)},
        "Packet " + std::to_string(info.id) + ", " + std::string{info.name}},
       packet, [raw](const SensorRecord& record) { return std::int64_t{raw(record)}; });
+  table.back().take = [packet](SensorRecord& record, const Value& value) {
+    const std::int64_t wide = std::get<std::int64_t>(value);
+    if (std::in_range<std::int32_t>(wide))
+      record.values.set(packet, static_cast<std::int32_t>(wide));
+  };
   if (oi::is_bit_set(packet)) {
     add(table, {key + "_names", Kind::words, "", "The names of its bits that are set"}, packet,
         [packet, raw](const SensorRecord& record) {
@@ -40,14 +56,8 @@ void add_packet(SensorTable& table, const oi::PacketInfo& info) {
           return std::string{oi::code_name(packet, raw(record))};
         });
   }
-  if (packet == PacketId::distance) {
-    add(table, {key + "_sum", Kind::whole, "mm", "Added up since the beginning"}, packet,
-        [](const SensorRecord& record) { return record.distance_sum_mm; });
-  }
-  if (packet == PacketId::angle) {
-    add(table, {key + "_sum", Kind::whole, "deg", "Added up since the beginning"}, packet,
-        [](const SensorRecord& record) { return record.angle_sum_deg; });
-  }
+  if (packet == PacketId::distance) add_sum(table, packet, "mm", &SensorRecord::distance_sum_mm);
+  if (packet == PacketId::angle) add_sum(table, packet, "deg", &SensorRecord::angle_sum_deg);
 }
 
 SensorTable make_sensor_columns() {

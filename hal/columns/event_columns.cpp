@@ -1,7 +1,5 @@
-#include <array>
-
-#include "hal/export/records.hpp"
-#include "oi/limits.hpp"
+#include "hal/columns/flag_names.hpp"
+#include "hal/columns/records.hpp"
 #include "oi/value_names.hpp"
 
 namespace cargobay::hal {
@@ -9,18 +7,6 @@ namespace {
 
 using Kind = ColumnInfo::Kind;
 using EventTable = Columns<EventRecord>;
-
-constexpr unsigned kBits = 8;  // of a bit set
-
-template <typename Flag>
-std::vector<std::string_view> names_of(oi::BitSet<Flag> set, auto name_of) {
-  std::vector<std::string_view> names;
-  for (unsigned bit = 0; bit < kBits; ++bit) {
-    const auto flag = static_cast<Flag>(bit);
-    if (set.has(flag)) names.push_back(name_of(flag));
-  }
-  return names;
-}
 
 // Known for the kinds of events that have this payload.
 void add(EventTable& table, const ColumnInfo& info, Payload wanted, auto get) {
@@ -52,16 +38,14 @@ void add_battery(EventTable& table) {
 
 void add_wheels(EventTable& table) {
   add(table, {"wheels", Kind::words, "", "Wheels concerned: left, right"}, Payload::wheels,
-      [](const Event& event) {
-        return names_of(event.wheels, [](Wheel wheel) { return name(wheel); });
-      });
+      [](const Event& event) { return names_of(event.wheels); });
   add(table, {"finding", Kind::text, "", "What is wrong with what they count"}, Payload::wheels,
       [](const Event& event) { return std::string{name(event.finding)}; });
   add_speeds(table, "driven_mm_s", "what one that reaches its command would have done",
              Payload::wheels, &Event::wanted);
   add_speeds(table, "counted_mm_s", "what was counted", Payload::wheels, &Event::got);
   add(table, {"limits", Kind::words, "", "What keeps the wheels from the target"}, Payload::limits,
-      [](const Event& event) { return names(event.limits); });
+      [](const Event& event) { return names_of(event.limits); });
   add_speeds(table, "asked_mm_s", "what was asked for", Payload::limits, &Event::wanted);
   add_speeds(table, "given_mm_s", "what it got", Payload::limits, &Event::got);
 }
@@ -71,18 +55,16 @@ void add_overcurrents(EventTable& table) {
                    [](const EventRecord& record) -> Value {
                      const Payload has = payload(record.event.what);
                      if (has != Payload::overcurrents && has != Payload::wheels) return {};
-                     return names_of(record.event.overcurrents,
-                                     [](oi::Overcurrent one) { return oi::name(one); });
+                     return names_of(record.event.overcurrents);
                    }});
 }
 
 void add_head(EventTable& table) {
   table.push_back({{"tick", Kind::whole, "15 ms", "As of the states: the newest then"},
                    [](const EventRecord& record) -> Value { return record.event.tick; }});
-  table.push_back({{"robot_time_s", Kind::number, "s", "The robot's time at the tick"},
-                   [](const EventRecord& record) -> Value {
-                     return static_cast<double>(record.event.tick) * rt::seconds(oi::kTick);
-                   }});
+  table.push_back(
+      {{"robot_time_s", Kind::number, "s", "The robot's time at the tick"},
+       [](const EventRecord& record) -> Value { return robot_time_s(record.event.tick); }});
   table.push_back({{"what", Kind::text, "", "Its name"}, [](const EventRecord& record) -> Value {
                      return std::string{name(record.event.what)};
                    }});
@@ -96,13 +78,13 @@ EventTable make_event_columns() {
   add(table, {"mode", Kind::text, "", "The mode that the robot is in"}, Payload::mode,
       [](const Event& event) { return std::string{oi::name(event.mode)}; });
   add(table, {"hazards", Kind::words, "", "The causes, as far as a sensor shows them"},
-      Payload::mode, [](const Event& event) { return names(event.hazards); });
+      Payload::mode, [](const Event& event) { return names_of(event.hazards); });
   add_battery(table);
   add_overcurrents(table);
   add(table, {"frames", Kind::whole, "", "How many frames"}, Payload::frames,
       [](const Event& event) { return std::int64_t{event.frames}; });
   add(table, {"bumps", Kind::words, "", "Sides of the bumper"}, Payload::bumps,
-      [](const Event& event) { return names(event.bumps); });
+      [](const Event& event) { return names_of(event.bumps); });
   add_wheels(table);
   add(table, {"process.id", Kind::whole, "", "Its process ID; 0: too brief to be seen"},
       Payload::process, [](const Event& event) { return std::int64_t{event.process}; });
@@ -112,16 +94,6 @@ EventTable make_event_columns() {
 }
 
 }  // namespace
-
-std::vector<std::string_view> names(Hazards hazards) {
-  return names_of(hazards, [](Hazard hazard) { return name(hazard); });
-}
-std::vector<std::string_view> names(Limits limits) {
-  return names_of(limits, [](Limit limit) { return name(limit); });
-}
-std::vector<std::string_view> names(Bumps bumps) {
-  return names_of(bumps, [](oi::Bump bump) { return oi::name(bump); });
-}
 
 const Columns<EventRecord>& event_columns() {
   static const EventTable kTable = make_event_columns();

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "hal/export/records.hpp"
+#include "hal/columns/records.hpp"
 #include "oi/dialect.hpp"
 #include "oi/text/command_text.hpp"
 
