@@ -23,6 +23,7 @@ namespace cargobay::hal {
 
 namespace {
 
+constexpr rt::Duration kTimeToChoose = std::chrono::milliseconds{200};
 constexpr rt::Duration kRefusalPause = std::chrono::milliseconds{100};
 // If the program closes our descriptors, nothing else wakes the thread.
 constexpr rt::Duration kLongestSleep = std::chrono::seconds{10};
@@ -137,6 +138,7 @@ void Feed::run() {
     serve(sources, now);
     desk_.expire(now);
     tell_holder();
+    tell_watched(now);
     if (now >= next_tick_ && !clients_.empty()) {
       next_tick_ = std::max(next_tick_ + oi::kTick, now);
       collect(now);
@@ -187,6 +189,7 @@ void Feed::serve(const std::vector<pollfd>& sources, rt::TimePoint now) {
     if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
       there = client.receive([&](std::string_view line) {
         if (const auto answer = desk_.hear(client, line, now)) tell_one(client, *answer);
+        tell_holder();  // the next line may change it again
       });
     }
     if (!there || !client.flush()) gone.push_back(client.number());
@@ -211,7 +214,7 @@ void Feed::accept_client(rt::TimePoint now) {
     if (!retry) accept_again_ = now + kRefusalPause;
     return;
   }
-  auto client = std::make_unique<FeedConnection>(std::move(socket), ++connected_);
+  auto client = std::make_unique<FeedConnection>(std::move(socket), ++connected_, now);
   if (clients_.size() >= kMostClients) {
     tell_one(*client, R"({"type":"answer","id":null,"ok":false,"error":")" +
                           std::to_string(kMostClients) +
@@ -225,7 +228,8 @@ void Feed::accept_client(rt::TimePoint now) {
   tell_one(*client, hello.take());
   const FeedOutlet to_one{
       .begin = [this](FeedType type) { return message(type, sequence_); },
-      .tell = [&](FeedType, JsonObject message) { tell_one(*client, message.take()); }};
+      .tell = [&](FeedType, JsonObject message) { tell_one(*client, message.take()); },
+      .lost = nullptr};  // what was before it came is not missed
   {
     const std::lock_guard lock{mutex_};
     JsonObject status = message(FeedType::status, sequence_);
@@ -251,10 +255,16 @@ void Feed::tell_all(FeedType type, JsonObject message) {
   for (const auto& client : clients_) client->put(all);
 }
 
+void Feed::lose(FeedType type, std::uint64_t count) {
+  sequence_ += count;
+  for (const auto& client : clients_) client->lose(type, count);
+}
+
 void Feed::collect(rt::TimePoint now) {
   const FeedOutlet to_all{
       .begin = [this](FeedType type) { return message(type, ++sequence_); },
-      .tell = [this](FeedType type, JsonObject message) { tell_all(type, std::move(message)); }};
+      .tell = [this](FeedType type, JsonObject message) { tell_all(type, std::move(message)); },
+      .lost = [this](FeedType type, std::uint64_t count) { lose(type, count); }};
   {
     const std::lock_guard lock{mutex_};
     reports_.collect(robot_, readers(), now, to_all);
@@ -277,11 +287,20 @@ void Feed::tell_status() {
 }
 
 void Feed::tell_holder() {
-  if (desk_.lease().name() == told_holder_) return;
-  told_holder_ = desk_.lease().name();
+  if (desk_.lease().client() == told_holder_) return;
+  told_holder_ = desk_.lease().client();
   JsonObject holder = message(FeedType::holder, ++sequence_);
-  put_holder(holder, told_holder_);
+  put_holder(holder, desk_.lease().name());
   tell_all(FeedType::holder, std::move(holder));
+}
+
+// One that has just come gets everything until it has said what it wants.
+void Feed::tell_watched(rt::TimePoint now) {
+  const bool watched = std::ranges::any_of(clients_, [now](const auto& client) {
+    return client->wants(FeedType::sensors) && now - client->since() >= kTimeToChoose;
+  });
+  if (watched == told_watched_ || !options_.steering.watch) return;
+  if (options_.steering.watch(watched)) told_watched_ = watched;
 }
 
 FeedReports::Readers Feed::readers() const {

@@ -70,9 +70,11 @@ class Feed {
   void remove(std::uint64_t number);
   static void tell_one(FeedConnection& client, const std::string& message);
   void tell_all(FeedType type, JsonObject message);
+  void lose(FeedType type, std::uint64_t count);
   void collect(rt::TimePoint now);
   void tell_status();
   void tell_holder();
+  void tell_watched(rt::TimePoint now);
   FeedReports::Readers readers() const;
   void wake() const;
 
@@ -84,7 +86,8 @@ class Feed {
   FeedDesk desk_;
   FeedReports reports_;
   std::vector<std::unique_ptr<FeedConnection>> clients_{};
-  std::optional<std::string> told_holder_{};
+  Lease::Client told_holder_ = 0;
+  bool told_watched_ = false;
   std::uint64_t sequence_ = 0;       // of the newest message
   rt::TimePoint next_tick_{};        // when to collect what is new, if somebody listens
   std::uint64_t connected_ = 0;      // clients, ever

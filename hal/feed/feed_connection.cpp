@@ -29,7 +29,7 @@ short FeedConnection::events() const {
 
 bool FeedConnection::is_chosen(FeedType type) {
   if (type == FeedType::hello || type == FeedType::answer) return true;
-  if (!choice_.types.test(static_cast<std::size_t>(type))) return false;
+  if (!wants(type)) return false;
   if (!comes_every_tick(type)) return true;
   std::uint32_t& passed = passed_[static_cast<std::size_t>(type)];
   const bool due = passed == 0;
@@ -42,6 +42,14 @@ void FeedConnection::put(const FeedMessage& message) {
   waiting_.push_back(message);
   waiting_bytes_ += message.line->size();
   while (waiting_bytes_ > kMostBytes && waiting_.size() > 1) make_room();
+}
+
+void FeedConnection::lose(FeedType type, std::uint64_t count) {
+  for (; count > 0; --count) {
+    if (!is_chosen(type)) continue;
+    ++untold_;
+    ++missed_;
+  }
 }
 
 void FeedConnection::make_room() {

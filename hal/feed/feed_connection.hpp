@@ -15,6 +15,7 @@
 #include "hal/feed/message/messages.hpp"
 #include "hal/file/descriptor.hpp"
 #include "hal/file/port_descriptor.hpp"
+#include "rt/clock.hpp"
 
 namespace cargobay::hal {
 
@@ -36,21 +37,27 @@ class FeedConnection {
   static constexpr std::size_t kMostBytes = std::size_t{256} << 10U;  // that wait
   static constexpr std::size_t kLongestLine = 4096;
 
-  explicit FeedConnection(Descriptor socket, std::uint64_t number)
+  FeedConnection(Descriptor socket, std::uint64_t number, rt::TimePoint since)
       : socket_{std::move(socket)},
         for_children_{PortDescriptor::borrow(socket_.number())},
-        number_{number} {}
+        number_{number},
+        since_{since} {}
 
   int descriptor() const { return socket_.number(); }
   std::uint64_t number() const { return number_; }
+  rt::TimePoint since() const { return since_; }
   // What to poll for.
   short events() const;
 
   void choose(const FeedChoice& choice) { choice_ = choice; }
+  bool wants(FeedType type) const { return choice_.types.test(static_cast<std::size_t>(type)); }
   // Puts the message behind those that wait, unless this reader has not chosen it. If there is no
   // more room, the oldest make way: readings first, then news, and answers last.
   void put(const FeedMessage& message);
-  // What its drops add up to.
+  // So many messages of that type were gone before they could be put: counts those of them that
+  // this reader has chosen.
+  void lose(FeedType type, std::uint64_t count);
+  // What it did not get adds up to.
   std::uint64_t missed() const { return missed_; }
 
   // Sends what the reader takes. False if it is gone.
@@ -68,12 +75,13 @@ class FeedConnection {
   Descriptor socket_;
   PortDescriptor for_children_;  // closed in a forked child, or the reader would not see our end
   std::uint64_t number_;
+  rt::TimePoint since_;
   FeedChoice choice_{};
   std::array<std::uint32_t, kFeedTypes> passed_{};  // of each type, since one was chosen
   std::deque<FeedMessage> waiting_{};
   std::size_t waiting_bytes_ = 0;
   std::size_t sent_of_first_ = 0;  // bytes
-  std::uint64_t untold_ = 0;       // dropped since the reader was last told
+  std::uint64_t untold_ = 0;       // missed since the reader was last told
   std::uint64_t missed_ = 0;
   std::string received_{};
 };

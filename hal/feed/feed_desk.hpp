@@ -22,6 +22,9 @@ struct FeedSteering {
   std::function<Result<void>()> rearm{};
   std::function<Result<void>(const rt::OdometryPose&)> reset_odometry{};
   std::function<Result<void>(std::string_view command)> send{};
+  // Whether some reader gets the sensors: then the robot is asked for those too that the loop does
+  // not need. Called when that changes, and again as long as it returns false.
+  std::function<bool(bool watched)> watch{};
   // As the control socket answers: `ok`, `error: ...` or JSON.
   std::function<std::string(std::string_view line)> control{};
 };

@@ -98,10 +98,16 @@ void FeedReports::skip() {
   told_.event = of_.tap->events().last();
 }
 
+void FeedReports::go_on_to(std::int64_t& told, std::int64_t number, FeedType type,
+                           const FeedOutlet& to) {
+  if (to.lost && number > told + 1) to.lost(type, static_cast<std::uint64_t>(number - told - 1));
+  told = number;
+}
+
 void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) const {
   if (of_.tap == nullptr) return;
   while (const auto entry = of_.tap->states().next(told.state)) {
-    told.state = entry->number;
+    go_on_to(told.state, entry->number, FeedType::state, to);
     const CycleState& state = entry->value;
     JsonObject message = to.begin(FeedType::state);
     put_state(message, {.stamp = {.unix_ns = unix_ns_of(state.arrival)},
@@ -117,7 +123,7 @@ void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) co
 void FeedReports::tell_events(Told& told, const FeedOutlet& to) const {
   if (of_.tap == nullptr) return;
   while (const auto entry = of_.tap->events().next(told.event)) {
-    told.event = entry->sequence;
+    go_on_to(told.event, entry->sequence, FeedType::event, to);
     JsonObject message = to.begin(FeedType::event);
     put_event(message, {.stamp = {.unix_ns = unix_ns_of(entry->event.time)}, .event = entry->event},
               entry->sequence);

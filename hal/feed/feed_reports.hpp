@@ -30,6 +30,8 @@ struct FeedOutlet {
   // A message of that type, to be filled.
   std::function<JsonObject(FeedType type)> begin{};
   std::function<void(FeedType type, JsonObject message)> tell{};
+  // So many were overwritten before this thread came to them; empty: nobody is waiting for them.
+  std::function<void(FeedType type, std::uint64_t count)> lost{};
 };
 
 // One thread. Allocates; locks a virtual Create once a second and for each greeting.
@@ -56,6 +58,8 @@ class FeedReports {
     std::int64_t event = 0;
     std::int64_t truth_ns = -1;
   };
+  static void go_on_to(std::int64_t& told, std::int64_t number, FeedType type,
+                       const FeedOutlet& to);
   void tell_states(Robot* robot, Told& told, const FeedOutlet& to) const;
   void tell_events(Told& told, const FeedOutlet& to) const;
   void tell_truth(Told& told, const FeedOutlet& to) const;

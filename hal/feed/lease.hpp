@@ -12,7 +12,7 @@ namespace cargobay::hal {
 // One thread; allocates for names.
 class Lease {
  public:
-  using Client = std::uint64_t;  // a number of its own for each connection
+  using Client = std::uint64_t;  // a number of its own for each connection, from 1 on
 
   explicit Lease(rt::Duration length) : length_{length} {}
 
@@ -50,6 +50,8 @@ class Lease {
   std::optional<std::string> name() const {
     return holder_ ? std::optional{holder_->name} : std::nullopt;
   }
+  // Of the holder; 0: nobody. Two may have one name.
+  Client client() const { return holder_ ? holder_->client : 0; }
   // When to call expire(); nothing without a holder.
   std::optional<rt::TimePoint> until() const {
     return holder_ ? std::optional{holder_->until} : std::nullopt;

@@ -86,7 +86,8 @@ FeedSteering Service::steering() {
       .stop = [this] { stop(); },
       .rearm = [this] { return rearm(); },
       .reset_odometry = [this](const rt::OdometryPose& pose) { return reset_odometry(pose); },
-      .send = [this](std::string_view command) { return send(command); }};
+      .send = [this](std::string_view command) { return send(command); },
+      .watch = [this](bool watched) { return watch(watched); }};
   if (sim::Server* const server = options_.chosen->server()) {
     steering.control = [server](std::string_view line) { return sim::control(line, *server); };
   }
@@ -119,22 +120,9 @@ Result<Robot::Owned> Service::bring_up() {
   return Robot::open(std::move(port->stream), options_.robot);
 }
 
-namespace {
-
-// Wall, cliff signals and outputs too: what a page shows.
-void stream_all(Robot& robot) {
-  Request request;
-  request.kind = Request::Kind::stream;
-  request.extras = kAllExtraLists;
-  (void)robot.cycle().request(request);  // there is room: nobody has asked for anything yet
-}
-
-}  // namespace
-
 Result<Robot::Farewell> Service::drive(Robot& robot, const std::function<void()>& ready) {
   const auto grant = robot.start({});
   if (!grant) return grant.failure();
-  stream_all(robot);  // before others may ask
   become(&robot);
   feed_->follow(robot);
   feed_->report("driving", "the loop runs, and the robot is steered by who holds the lease");
@@ -178,6 +166,24 @@ Result<Robot::Owned> Service::bring_up_again(const Robot::Farewell& farewell) {
 void Service::become(Robot* robot) {
   const std::lock_guard lock{mutex_};
   robot_ = robot;
+  // There is room: nobody could ask this loop for anything before.
+  if (watched_) (void)stream_what_is_watched();
+}
+
+bool Service::watch(bool watched) {
+  const std::lock_guard lock{mutex_};
+  watched_ = watched;
+  return stream_what_is_watched();
+}
+
+// Wall, cliff signals and outputs too, if somebody is shown them: frames that carry them come in
+// turns with those that the loop needs.
+bool Service::stream_what_is_watched() {
+  if (robot_ == nullptr) return true;
+  Request request;
+  request.kind = Request::Kind::stream;
+  if (watched_) request.extras = kAllExtraLists;
+  return robot_->cycle().request(request);
 }
 
 void Service::tell(const std::string& what) const {

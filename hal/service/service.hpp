@@ -62,6 +62,8 @@ class Service {
   Result<Robot::Farewell> drive(Robot& robot, const std::function<void()>& ready);
   Result<Robot::Owned> bring_up_again(const Robot::Farewell& farewell);
   void become(Robot* robot);
+  bool watch(bool watched);
+  bool stream_what_is_watched();
   Result<void> steer(const rt::WheelSpeeds& speeds);
   Result<void> send(std::string_view command);
   Result<void> rearm();
@@ -72,6 +74,7 @@ class Service {
   ServiceOptions options_;
   std::optional<PortIdentity> identity_{};  // of a port that may come back
   std::mutex mutex_;
+  bool watched_ = false;          // some reader of the feed gets the sensors
   Robot* robot_ = nullptr;        // while its loop runs: the feed's thread steers it
   std::unique_ptr<Feed> feed_{};  // last: ends first
 };

@@ -163,6 +163,49 @@ TEST_F(FeedTest, OneSteersAtATime) {
   EXPECT_EQ(bob.ask({{"do", "drive"}, {"left_mm_s", 100}, {"right_mm_s", 100}})["ok"], false);
 }
 
+TEST_F(FeedTest, WhoHoldsForAMomentIsNamed) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher bob{port_};
+  Watcher ann{port_};
+  (void)bob.next("holder");  // nobody, at the beginning
+  // Both are read at once.
+  EXPECT_TRUE(ann.reader().ask("{\"do\":\"hold\",\"name\":\"ann\"}\n{\"do\":\"stop\"}"));
+  EXPECT_EQ(bob.next("holder")["name"], "ann");
+  EXPECT_TRUE(bob.next("holder")["name"].is_null());
+  // Two of one name: who had it hears that it is lost.
+  EXPECT_EQ(ann.ask({{"do", "hold"}, {"name", "page"}})["ok"], true);
+  EXPECT_EQ(bob.next("holder")["name"], "page");
+  EXPECT_EQ(bob.ask({{"do", "hold"}, {"name", "page"}, {"take", true}})["ok"], true);
+  EXPECT_EQ(ann.next("holder")["name"], "page");
+}
+
+TEST_F(FeedTest, TheSignalsAreReadForWhoIsShownThem) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  const auto streams_signals = [this] {
+    bool found = false;
+    server_->with_device([&](hal::sim::Device& device) {
+      const auto packets = device.stream().packets();
+      constexpr auto kSignal = static_cast<std::uint8_t>(oi::PacketId::cliff_left_signal);
+      found = std::ranges::find(packets, kSignal) != packets.end();
+    });
+    return found;
+  };
+  Watcher of_states{port_};
+  of_states.tell({{"do", "subscribe"}, {"types", {"state"}}});
+  for (int i = 0; i < 100; ++i) {
+    (void)of_states.next("state");
+    EXPECT_FALSE(streams_signals()) << i;
+  }
+  {
+    const Watcher of_sensors{port_};
+    EXPECT_TRUE(eventually(streams_signals));
+  }
+  int without = 0;
+  EXPECT_TRUE(eventually([&] { return (without = streams_signals() ? 0 : without + 1) == 50; }));
+}
+
 TEST_F(FeedTest, WhoseConnectionEndsStopsTheRobot) {
   Command command{serve_command()};
   wait_until_served(command);

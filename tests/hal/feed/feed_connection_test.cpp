@@ -23,7 +23,7 @@ class FeedConnectionTest : public testing::Test {
   FeedConnectionTest() {
     std::array<int, 2> ends{};
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends.data()), 0);
-    connection = std::make_unique<FeedConnection>(Descriptor{ends[0]}, 1);
+    connection = std::make_unique<FeedConnection>(Descriptor{ends[0]}, 1, rt::TimePoint{});
     reader = Descriptor{ends[1]};
   }
 
@@ -140,6 +140,23 @@ TEST_F(FeedConnectionTest, IsOverWhenTheReaderIsGone) {
   EXPECT_FALSE(connection->receive([](std::string_view) {}));
   put(FeedType::state, 1);
   EXPECT_FALSE(connection->flush());
+}
+
+TEST_F(FeedConnectionTest, TellsOfWhatWasGoneBeforeItCouldBePut) {
+  connection->lose(FeedType::state, 44);
+  connection->lose(FeedType::event, 2);
+  put(FeedType::state, 45);
+  auto messages = all();
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[0], (json{{"type", "missed"}, {"messages", 46}}));
+  EXPECT_EQ(connection->missed(), 46U);
+  FeedChoice choice;
+  choice.types.reset().set(static_cast<std::size_t>(FeedType::state));
+  choice.every = 10;
+  connection->choose(choice);
+  connection->lose(FeedType::event, 5);
+  connection->lose(FeedType::state, 100);
+  EXPECT_EQ(connection->missed(), 56U) << "only of those it has chosen";
 }
 
 }  // namespace

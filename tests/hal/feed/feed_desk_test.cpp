@@ -39,7 +39,7 @@ class FeedDeskTest : public testing::Test {
                       },
                   .send = [](std::string_view) { return Result<void>{}; }},
                  258.0};
-  FeedConnection client_{Descriptor{}, 1};
+  FeedConnection client_{Descriptor{}, 1, {}};
   rt::TimePoint now_{};
 };
 
