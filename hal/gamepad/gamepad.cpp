@@ -48,13 +48,14 @@ Stick Gamepad::stick() const {
   return {.forward = -part(ABS_Y), .turn = -part(ABS_X)};
 }
 
-std::string Gamepad::line() const {
-  const Stick now = stick();
+std::string Gamepad::line(Time now) const {
   if (!is_held()) return "stand";
+  if (is_silent(now)) return "silent";
+  const Stick place = stick();
   std::array<char, 64> text{};
   // + 0.0: there is no "-0.000".
-  const int size =
-      std::snprintf(text.data(), text.size(), "drive %.3f %.3f", now.forward + 0.0, now.turn + 0.0);
+  const int size = std::snprintf(text.data(), text.size(), "drive %.3f %.3f", place.forward + 0.0,
+                                 place.turn + 0.0);
   return {text.data(), static_cast<std::size_t>(std::max(size, 0))};
 }
 

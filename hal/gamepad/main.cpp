@@ -3,6 +3,7 @@
 //   gamepad NAME
 //   drive FORWARD TURN      from -1 to 1, left positive; a shoulder button is held
 //   stand                   it is not
+//   silent                  it is, but nothing has moved for 2 s: the gamepad may be out of range
 // It ends when the gamepad is gone, or when nothing reads what it prints. A reader that hears
 // nothing for 400 ms takes that for `stand`.
 // usage: cargobay-gamepad [/dev/input/eventN]
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -75,7 +77,7 @@ bool say(const std::string& line) {
 }
 
 // Takes all events that wait. False if the device is gone.
-bool take_events(libevdev* device) {
+bool take_events(libevdev* device, gamepad::Gamepad& pad) {
   for (;;) {
     input_event event{};
     int result = libevdev_next_event(device, LIBEVDEV_READ_FLAG_NORMAL, &event);
@@ -83,17 +85,18 @@ bool take_events(libevdev* device) {
     while (result == LIBEVDEV_READ_STATUS_SYNC)
       result = libevdev_next_event(device, LIBEVDEV_READ_FLAG_SYNC, &event);
     if (result == -EAGAIN) return true;
+    if (result >= 0) pad.hear(std::chrono::steady_clock::now());
     if (result < 0 && result != -EINTR) return false;
   }
 }
 
 int follow(OpenDevice& open) {
-  const gamepad::Gamepad pad{open.device.get()};
+  gamepad::Gamepad pad{open.device.get(), std::chrono::steady_clock::now()};
   const char* const name = libevdev_get_name(open.device.get());
   if (!say(std::string{"gamepad "} + (name == nullptr ? "" : name))) return 1;
   std::string said;
   for (;;) {
-    std::string line = pad.line();
+    std::string line = pad.line(std::chrono::steady_clock::now());
     if (line != said || pad.is_held()) {
       if (!say(line)) return 1;
       said = std::move(line);
@@ -103,7 +106,7 @@ int follow(OpenDevice& open) {
     if (poll(waited.data(), waited.size(), kRepeatMs) < 0 && errno != EINTR)
       return fail("poll: " + std::generic_category().message(errno));
     if ((waited[1].revents & (POLLERR | POLLHUP)) != 0) return 0;
-    if (!take_events(open.device.get())) return fail("the gamepad is gone");
+    if (!take_events(open.device.get(), pad)) return fail("the gamepad is gone");
   }
 }
 

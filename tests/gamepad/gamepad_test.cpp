@@ -12,6 +12,8 @@
 namespace cargobay::gamepad {
 namespace {
 
+constexpr Gamepad::Time kBegin{};
+
 using Device = std::unique_ptr<libevdev, void (*)(libevdev*)>;
 
 struct Axis {
@@ -57,21 +59,21 @@ TEST(Gamepad, IsADeviceWithAStickAndShoulders) {
 
 TEST(Gamepad, StandsUnlessAShoulderIsHeld) {
   const Device pad = xbox();
-  const Gamepad gamepad{pad.get()};
-  EXPECT_EQ(gamepad.line(), "stand");
+  const Gamepad gamepad{pad.get(), kBegin};
+  EXPECT_EQ(gamepad.line(kBegin), "stand");
   set(pad, EV_ABS, ABS_Y, -32768);
-  EXPECT_EQ(gamepad.line(), "stand");
+  EXPECT_EQ(gamepad.line(kBegin), "stand");
   set(pad, EV_KEY, BTN_SOUTH, 1);
-  EXPECT_EQ(gamepad.line(), "stand");
+  EXPECT_EQ(gamepad.line(kBegin), "stand");
   set(pad, EV_KEY, BTN_TR, 1);
-  EXPECT_EQ(gamepad.line(), "drive 1.000 0.000");
+  EXPECT_EQ(gamepad.line(kBegin), "drive 1.000 0.000");
   set(pad, EV_KEY, BTN_TR, 0);
-  EXPECT_EQ(gamepad.line(), "stand");
+  EXPECT_EQ(gamepad.line(kBegin), "stand");
 }
 
 TEST(Gamepad, DrivesAsTheStickPoints) {
   const Device pad = eight_bits();
-  const Gamepad gamepad{pad.get()};
+  const Gamepad gamepad{pad.get(), kBegin};
   set(pad, EV_KEY, BTN_TL, 1);
   struct Case {
     int x, y;
@@ -83,7 +85,7 @@ TEST(Gamepad, DrivesAsTheStickPoints) {
                            Case{138, 118, "drive 0.000 0.000"}}) {
     set(pad, EV_ABS, ABS_X, each.x);
     set(pad, EV_ABS, ABS_Y, each.y);
-    EXPECT_EQ(gamepad.line(), each.line) << each.x << ' ' << each.y;
+    EXPECT_EQ(gamepad.line(kBegin), each.line) << each.x << ' ' << each.y;
   }
   double before = 1.0;
   for (int y = 0; y <= 255; ++y) {
@@ -95,10 +97,26 @@ TEST(Gamepad, DrivesAsTheStickPoints) {
   }
 }
 
+TEST(Gamepad, ThatHasBeenSilentDrivesNoLonger) {
+  const Device pad = xbox();
+  Gamepad gamepad{pad.get(), kBegin};
+  set(pad, EV_KEY, BTN_TL, 1);
+  set(pad, EV_ABS, ABS_Y, -32768);
+  const auto silent = kBegin + Gamepad::kSilence;
+  EXPECT_EQ(gamepad.line(silent - std::chrono::milliseconds{1}), "drive 1.000 0.000");
+  EXPECT_EQ(gamepad.line(silent), "silent");
+  // Its link is back, or the stick has been moved.
+  gamepad.hear(silent);
+  EXPECT_EQ(gamepad.line(silent), "drive 1.000 0.000");
+  EXPECT_EQ(gamepad.line(silent + Gamepad::kSilence), "silent");
+  set(pad, EV_KEY, BTN_TL, 0);
+  EXPECT_EQ(gamepad.line(silent + Gamepad::kSilence), "stand") << "nothing is held";
+}
+
 TEST(Gamepad, OfAnAxisWithoutARangeStands) {
   const Device pad = device({{ABS_X, 0, 0}, {ABS_Y, 5, 5}}, {BTN_TL});
   set(pad, EV_KEY, BTN_TL, 1);
-  EXPECT_EQ(Gamepad{pad.get()}.line(), "drive 0.000 0.000");
+  EXPECT_EQ((Gamepad{pad.get(), kBegin}.line(kBegin)), "drive 0.000 0.000");
 }
 
 }  // namespace

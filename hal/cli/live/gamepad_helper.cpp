@@ -103,6 +103,7 @@ GamepadHelper::GamepadHelper(GamepadHelper&& other) noexcept
       received_{std::move(other.received_)},
       name_{std::move(other.name_)},
       wish_{other.wish_},
+      silent_{other.silent_},
       until_{other.until_} {}
 
 GamepadHelper::~GamepadHelper() {
@@ -138,6 +139,7 @@ void GamepadHelper::hear(std::string_view line, rt::TimePoint now) {
   constexpr std::string_view kDrive = "drive ";
   if (line.starts_with(kName)) name_ = line.substr(kName.size());
   wish_ = {};
+  silent_ = line == "silent";
   if (!line.starts_with(kDrive)) return;  // "stand"
   line.remove_prefix(kDrive.size());
   const auto forward = next_part(line);

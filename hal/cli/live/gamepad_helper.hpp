@@ -38,6 +38,8 @@ class GamepadHelper {
   void skip_to_now();
   // Nothing while the button that is to be held is not.
   Wish wish(rt::TimePoint now) const;
+  // Nothing has moved on it while its button is held: it may be out of range.
+  bool is_silent() const { return silent_; }
   // Its name, once the program has found it.
   const std::string& name() const { return name_; }
 
@@ -50,6 +52,7 @@ class GamepadHelper {
   std::string received_{};
   std::string name_{};
   Wish wish_{};
+  bool silent_ = false;
   rt::TimePoint until_{};
 };
 

@@ -146,7 +146,8 @@ class Teleop {
                                 .speed_mm_s = speed_mm_s_,
                                 .asked = asked_,
                                 .complaint = steering_.complaint(now),
-                                .gamepad = gamepad_ ? gamepad_->name() : std::string{}};
+                                .gamepad = gamepad_ ? gamepad_->name() : std::string{},
+                                .gamepad_is_silent = gamepad_ && gamepad_->is_silent()};
     screen_->draw(teleop_view(picture, news_, HeldMessages::so_far(), screen_->size()));
   }
 

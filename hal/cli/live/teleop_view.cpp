@@ -32,6 +32,9 @@ ScreenLine advice(const TeleopPicture& picture, const FeedNews& news) {
   if (passive) return {{"The robot left its mode; r goes back to it", TextStyle::alarm}};
   if (news.stage != "driving" && !news.text.empty()) return {{news.text, TextStyle::strong}};
   if (picture.gamepad.empty()) return {};
+  if (picture.gamepad_is_silent)
+    return {
+        {"Gamepad: " + picture.gamepad + " is silent; move its stick to go on", TextStyle::alarm}};
   return {{"Gamepad: " + picture.gamepad + "; hold a shoulder button to move"}};
 }
 

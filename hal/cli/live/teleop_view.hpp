@@ -16,6 +16,7 @@ struct TeleopPicture {
   rt::WheelSpeeds asked{};
   std::string complaint{};  // why the robot does not do as it is told; may be empty
   std::string gamepad{};    // its name; empty if none is used
+  bool gamepad_is_silent = false;
 };
 
 // Who steers and how fast first, then the robot as `top` shows it, then events. The last line says

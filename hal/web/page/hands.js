@@ -8,6 +8,7 @@ const kKeys = {
 };
 const kDeadZone = 0.15;
 const kLook_ms = 20;
+const kSilence_ms = 2000; // as cargobay-gamepad has it
 const kStopButton = 1; // B on most
 const kTextFields = "input:not([type=range]), textarea, select, [contenteditable]";
 const kPressable = "button, a, summary, [role=button]";
@@ -149,8 +150,16 @@ export class Gamepads {
     const turn = -withDeadZone(pad.axes[0] ?? 0);
     const rests = forward === 0 && turn === 0;
     if (rests) this.free = true;
+    else if (this.#isSilent(pad)) this.free = false;
     if (rests && !this.steering.held.has("gamepad")) return;
     this.steering.want("gamepad", rests || !this.free ? null : { forward, turn });
+  }
+  // One whose radio link is lost stays as it was, and so does a stick that is held against its end.
+  #isSilent({ timestamp }) {
+    const now = performance.now();
+    if (timestamp === undefined || timestamp !== this.heard?.timestamp)
+      this.heard = { timestamp, at: now };
+    return now - this.heard.at >= kSilence_ms;
   }
 }
 
