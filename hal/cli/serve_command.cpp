@@ -142,9 +142,27 @@ void add_serve(CLI::App& app, Action& chosen) {
                       "Where the page is served: [ADDRESS:]PORT. Beyond this machine's own "
                       "127.0.0.1 everybody needs the token  [127.0.0.1:8080]");
   command->add_option("--token", options->web.token,
-                      "What those must know who come from other machines; made if left out");
+                      "What the page's visitors must know, on this machine too; made if left out "
+                      "and --http goes beyond it");
+  command
+      ->add_option("--token-file", options->web.token_file,
+                   "The token is in this file, for whoever may read it; made there if it is "
+                   "missing, for the file's group")
+      ->excludes("--token");
   command->add_option("--cert", options->web.certificate,
                       "PEM file with certificate and key: the page by HTTPS");
+  command
+      ->add_option("--name", options->web.names,
+                   "A name under which the page is reached, beside this machine's addresses and "
+                   "its own name; repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--origin", options->web.origins,
+                   "A page of another server that may connect, as https://app.foxglove.dev; "
+                   "repeatable")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
   command->add_flag("--no-http", options->no_http, "No page: only the feed's socket");
   command->footer(
       "Examples:\n"

@@ -85,8 +85,9 @@ class MessageAssembly {
 // Makes lines of the bytes of a feed.
 class LineSplitter {
  public:
-  // The longest that a feed would send: it keeps no more for a client.
-  static constexpr std::size_t kMostLineBytes = std::size_t{256} << 10;
+  // The longest that a feed would send is a world: its file has at most 1 MiB, and what is in it
+  // takes less than four times as much as JSON.
+  static constexpr std::size_t kMostLineBytes = std::size_t{8} << 20;
 
   // False if there is a line that does not end: this is no feed.
   [[nodiscard]] bool add(std::string_view bytes);

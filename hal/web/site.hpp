@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hal/web/gate.hpp"
+#include "hal/web/state_news.hpp"
 
 namespace cargobay::web {
 
@@ -20,12 +21,6 @@ struct Reply {
   std::string type = "text/plain; charset=utf-8";
   std::string body{};
   std::vector<std::pair<std::string, std::string>> headers{};  // beside those of each reply
-};
-
-// The newest state, a JSON object, or why there is none.
-struct NewestState {
-  std::string json{};
-  std::string reason{};  // if `json` is empty
 };
 
 class Site {

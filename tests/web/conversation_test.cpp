@@ -4,8 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/feed/message/messages.hpp"
+#include "hal/feed/world_messages.hpp"
+#include "hal/file/read_input.hpp"
+
 namespace {
 
+namespace hal = cargobay::hal;
 namespace web = cargobay::web;
 
 TEST(FeedConversation, PassesLinesOnUnchanged) {
@@ -73,6 +78,22 @@ TEST(LineSplitter, RefusesALineWithoutEnd) {
   const std::string part(web::LineSplitter::kMostLineBytes, 'x');
   EXPECT_TRUE(lines.add(part));
   EXPECT_FALSE(lines.add("x"));
+}
+
+// The file that has the most in it: each byte of it costs the most as JSON.
+TEST(LineSplitter, TakesTheLargestWorldThereIs) {
+  for (const std::string row : {"post 0 0 9\n", "wall 0 0 9 9\n", "wall 1e5 1e5 1e5 2e5\n"}) {
+    std::string text;
+    while (text.size() + row.size() <= hal::kMostConfigBytes) text += row;
+    const auto world = hal::sim::World::parse(text);
+    ASSERT_TRUE(world) << row << world.failure().message;
+    hal::JsonObject message = hal::message(hal::FeedType::world, 1);
+    hal::put_world(message, *world);
+    web::LineSplitter lines;
+    EXPECT_TRUE(lines.add(message.take() + "\n")) << row;
+    EXPECT_TRUE(lines.next());
+    EXPECT_FALSE(lines.next());
+  }
 }
 
 }  // namespace

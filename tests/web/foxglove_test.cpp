@@ -127,6 +127,20 @@ TEST_F(FoxgloveTest, GivesLateSubscribersWhatComesRarely) {
   EXPECT_EQ(messages[0].payload, statistics);
 }
 
+TEST_F(FoxgloveTest, GivesTheWorldToEachThatSubscribes) {
+  const std::string world = R"({"type":"world","seq":2,"walls":[]})";
+  conversation_.tell(world, kNowNs);
+  conversation_.to_client().clear();
+  for (std::uint32_t subscription = 4; subscription < 7; ++subscription) {
+    subscribe(subscription, web::own_channel(hal::FeedType::world));
+    const auto messages = data();
+    ASSERT_EQ(messages.size(), 1U);
+    EXPECT_EQ(messages[0].subscription, subscription);
+    EXPECT_EQ(messages[0].payload, world);
+    EXPECT_EQ(messages[0].time_ns, static_cast<std::uint64_t>(kNowNs)) << "when it came";
+  }
+}
+
 TEST_F(FoxgloveTest, DrawsThePoseAndTheWorldInOneFrame) {
   subscribe(1, web::ChannelId::pose);
   subscribe(2, web::ChannelId::scene);

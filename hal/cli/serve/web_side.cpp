@@ -105,7 +105,10 @@ hal::Result<std::unique_ptr<WebSide>> WebSide::start(const WebOptions& options,
     if (!value.empty()) side->arguments_.insert(side->arguments_.end(), {option, value});
   };
   add("--http", options.http);
+  add("--token-file", options.token_file);
   add("--cert", options.certificate);
+  for (const std::string& name : options.names) add("--name", name);
+  for (const std::string& origin : options.origins) add("--origin", origin);
   side->token_ = options.token;
   side->tell_ = std::move(tell);
   if (const auto spawned = side->spawn(); !spawned) return spawned.failure();

@@ -17,10 +17,13 @@
 namespace cargobay::cli {
 
 struct WebOptions {
-  std::string socket{};       // of the feed
-  std::string http{};         // where to listen; empty: as the program does by itself
-  std::string token{};        // empty: as the program does by itself
-  std::string certificate{};  // empty: none
+  std::string socket{};                // of the feed
+  std::string http{};                  // where to listen; empty: as the program does by itself
+  std::string token{};                 // empty: as the program does by itself
+  std::string token_file{};            // where it is kept; empty: nowhere
+  std::string certificate{};           // empty: none
+  std::vector<std::string> names{};    // under which it is reached, beside its addresses
+  std::vector<std::string> origins{};  // pages of other servers that may connect
 };
 
 class WebSide {

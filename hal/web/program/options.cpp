@@ -6,9 +6,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
+#include "hal/web/program/token_file.hpp"
 #include "hal/web/token.hpp"
 
 namespace cargobay::web {
@@ -46,6 +48,11 @@ void describe(CLI::App& app, Options& options, std::string& address) {
                  "CARGOBAY_TOKEN, which other users cannot read. Beyond the loopback one is made "
                  "if none is given")
       ->type_name("TOKEN");
+  app.add_option("--token-file", options.token_file,
+                 "The token is in this file, for whoever may read it; made there if it is missing, "
+                 "for the file's group")
+      ->type_name("FILE")
+      ->excludes("--token");
   app.add_option("--cert", options.certificate,
                  "PEM file with certificate and key: encrypts (https, wss)")
       ->type_name("PEM");
@@ -96,7 +103,11 @@ hal::Result<Options> parse_options(std::span<char* const> arguments) {
   } catch (const CLI::Error& error) {
     return hal::Failure{.message = std::string{error.what()} + "; see cargobay-web --help"};
   }
-  if (!options.token.empty()) {
+  if (!options.token_file.empty()) {
+    auto token = token_in(options.token_file);
+    if (!token) return token.failure();
+    options.token = std::move(*token);
+  } else if (!options.token.empty()) {
     hide(arguments, options.token);
     // NOLINTNEXTLINE(concurrency-mt-unsafe): no thread has been started
   } else if (const char* const token = std::getenv("CARGOBAY_TOKEN")) {

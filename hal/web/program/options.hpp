@@ -13,7 +13,8 @@ namespace cargobay::web {
 struct Options {
   std::string feed{};
   ListenAddress address{};
-  std::string token{};  // of the command line or the environment; empty: none was given
+  std::string token{};  // of the command line, a file or the environment; empty: none was given
+  std::string token_file{};
   std::string certificate{};
   std::vector<std::string> names{};
   std::vector<std::string> origins{};
@@ -21,8 +22,8 @@ struct Options {
   bool is_over = false;  // help or the version was printed
 };
 
-// `arguments`: with the program's name. Reads $CARGOBAY_TOKEN. A failure says what is wrong; help
-// and the version are printed.
+// `arguments`: with the program's name. Reads $CARGOBAY_TOKEN and the token's file. A failure says
+// what is wrong; help and the version are printed.
 hal::Result<Options> parse_options(std::span<char* const> arguments);
 
 }  // namespace cargobay::web

@@ -1,5 +1,4 @@
-// The newest state of the robot, for who asks once. Attaches to the feed, and again when that is
-// gone.
+// Attaches to the feed for the newest state, and again when that is gone.
 #pragma once
 
 #include <functional>
@@ -8,7 +7,7 @@
 #include <string_view>
 
 #include "hal/web/server/feed_link.hpp"
-#include "hal/web/site.hpp"
+#include "hal/web/state_news.hpp"
 
 namespace cargobay::web {
 
@@ -20,9 +19,9 @@ class StateFollower final : public FeedListener {
       : which_{std::move(feed)}, retry_{std::move(retry)} {}
 
   void attach(lws_vhost* host);
-  NewestState newest() const;
+  NewestState newest() const { return news_.newest(); }
 
-  void line(std::string_view line) override;
+  void line(std::string_view line) override { news_.hear(line); }
   void feed_gone() override;
   bool has_enough() override { return false; }
   void feed_has_room() override {}
@@ -31,8 +30,7 @@ class StateFollower final : public FeedListener {
   std::string which_;
   std::function<void()> retry_;
   std::unique_ptr<FeedLink> feed_{};
-  std::string state_{};
-  std::string reason_ = "not attached to the feed yet";
+  StateNews news_{};
 };
 
 }  // namespace cargobay::web
