@@ -3,13 +3,12 @@ its GPIO pins to that robot's pins.
 """
 
 import gzip
-import json
 import os
 import re
 import select
 import shutil
-import socket
 import subprocess
+import sys
 import termios
 import threading
 import time
@@ -17,6 +16,10 @@ import tty
 from pathlib import Path
 
 from debian import Suite
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from emulator.qemu import Monitor, Shell, connect, lacks  # noqa: F401: lacks is for the tests
+from emulator.virtual_create import VirtualCreate
 
 DEVICE_TREE = "bcm2837-rpi-3-b.dtb"
 UART_CLOCK_HZ = 48_000_000
@@ -45,14 +48,6 @@ echo; echo '@@booted'
 if [ -x /bin/cargobay-guard ]; then export CARGOBAY_GUARD=/bin/cargobay-guard; fi
 exec env PS1= PS2= setsid -c sh
 """
-
-
-def lacks(tools: list[str]) -> bool:
-    """Says which of them, and what to do about it."""
-    missing = [tool for tool in tools if shutil.which(tool) is None]
-    if missing:
-        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
-    return bool(missing)
 
 
 def libraries(programs: list[Path], root: Path) -> list[Path]:
@@ -119,77 +114,6 @@ def make_initramfs(
     return target
 
 
-def connect(path: Path) -> socket.socket:
-    """To a socket that may not be there yet."""
-    deadline = time.monotonic() + 20
-    while True:
-        link = socket.socket(socket.AF_UNIX)
-        try:
-            link.connect(str(path))
-            return link
-        except OSError:
-            link.close()
-            if time.monotonic() > deadline:
-                raise
-            time.sleep(0.05)
-
-
-class VirtualCreate:
-    """`cargobay sim`, with its remote control."""
-
-    def __init__(self, command: Path, folder: Path, *options: str):
-        self.port = folder / "create"
-        control = folder / "control"
-        self.process = subprocess.Popen(
-            [command, "sim", "--link", self.port, "--control", control, *options],
-            stdout=subprocess.DEVNULL,
-        )
-        self.link = connect(control).makefile("rw")
-        self.lock = threading.Lock()
-
-    def ask(self, line: str) -> str:
-        with self.lock:
-            self.link.write(line + "\n")
-            self.link.flush()
-            return self.link.readline().rstrip("\n")
-
-    def tell(self, line: str) -> None:
-        answer = self.ask(line)
-        if answer != "ok":
-            raise RuntimeError(f"the virtual Create answers `{line}` with: {answer}")
-
-    def state(self) -> dict:
-        return json.loads(self.ask("state"))
-
-    def close(self) -> None:
-        self.link.close()
-        self.process.terminate()
-        self.process.wait()
-
-
-class Monitor:
-    """qemu's, over QMP: reads the Pi's registers from outside."""
-
-    def __init__(self, path: Path):
-        self.link = connect(path).makefile("rw")
-        self.link.readline()  # the greeting
-        self.execute("qmp_capabilities")
-
-    def execute(self, command: str, **arguments) -> object:
-        self.link.write(json.dumps({"execute": command, "arguments": arguments}) + "\n")
-        self.link.flush()
-        while True:
-            answer = json.loads(self.link.readline())
-            if "return" in answer:
-                return answer["return"]
-            if "error" in answer:
-                raise RuntimeError(answer["error"])
-
-    def words(self, address: int, count: int) -> list[int]:
-        text = self.execute("human-monitor-command", **{"command-line": f"xp /{count}wx {address:#x}"})
-        return [int(word, 16) for word in re.findall(r"0x([0-9a-f]{8})\b", text)][-count:]
-
-
 class EmulatedPi:
     """Boots; wires the PL011 to the robot's port and each pin of `pins` (GPIO number to the robot's
     word for it, and its level while nobody drives it) to the robot's. `more`: for qemu.
@@ -217,17 +141,17 @@ class EmulatedPi:
         )  # fmt: skip
         self.monitor = Monitor(sockets["monitor"])
         self.uart = connect(sockets["uart"])
-        self.console = connect(sockets["console"])
+        self.failure: Exception | None = None
+        self.shell = Shell(sockets["console"], self.check)
+        self.start, self.end, self.run = self.shell.start, self.shell.end, self.shell.run
         self.port = os.open(robot.port, os.O_RDWR | os.O_NOCTTY)
         tty.setraw(self.port)
         self.sent, sending = os.pipe()  # what the Pi sends
         self.pump = threading.Thread(target=self.run_pump, args=(sending,))
         self.pump.start()
         self.stopping = False
-        self.failure: Exception | None = None
         self.wires = threading.Thread(target=self.run_wires)
         self.wires.start()
-        self.heard = ""
 
     # The wires.
 
@@ -282,39 +206,12 @@ class EmulatedPi:
         settings[4] = settings[5] = RATES[rate]
         termios.tcsetattr(self.port, termios.TCSANOW, settings)
 
-    # The console.
-
-    def wait_for(self, pattern: str, timeout_s: float) -> re.Match:
-        """What the Pi prints up to there; it is taken."""
-        deadline = time.monotonic() + timeout_s
-        while True:
-            found = re.search(pattern, self.heard, re.MULTILINE)
-            if found:
-                self.heard = self.heard[found.end() :]
-                return found
-            left = deadline - time.monotonic()
-            if self.failure:
-                raise self.failure
-            if left <= 0:
-                raise TimeoutError(f"no {pattern!r} within {timeout_s} s; the Pi said:\n{self.heard}")
-            if select.select([self.console], [], [], min(left, 0.5))[0]:
-                self.heard += self.console.recv(4096).decode(errors="replace").replace("\r", "")
+    def check(self) -> None:
+        if self.failure:
+            raise self.failure
 
     def booted(self, timeout_s: float = 180) -> None:
-        self.wait_for(r"@@booted\n(?:.*\n)*?Enter .help. .*\n", timeout_s)
-
-    def start(self, line: str) -> None:
-        """Runs the line; its end is waited for by end()."""
-        self.console.sendall(f"{line}; code=$?; echo; echo @@ended $code\n".encode())
-
-    def end(self, timeout_s: float) -> tuple[int, str]:
-        """The exit code, and what was printed."""
-        ended = self.wait_for(r"\A((?:.*\n)*?)@@ended (\d+)\n", timeout_s)
-        return int(ended[2]), ended[1]
-
-    def run(self, line: str, timeout_s: float = 60) -> tuple[int, str]:
-        self.start(line)
-        return self.end(timeout_s)
+        self.shell.wait_for(r"@@booted\n(?:.*\n)*?Enter .help. .*\n", timeout_s)
 
     def close(self) -> None:
         self.stopping = True
@@ -323,7 +220,7 @@ class EmulatedPi:
             self.monitor.execute("quit")
         self.process.wait()
         self.pump.join()  # ends when qemu ends
-        for link in (self.uart, self.console):
-            link.close()
+        self.uart.close()
+        self.shell.close()
         os.close(self.sent)
         os.close(self.port)
