@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,19 +23,24 @@
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/view/progress.hpp"
 #include "hal/service/service.hpp"
+#include "hal/service/service_manager.hpp"
 #include "hal/sim/line/server.hpp"
 #include "hal/sim/world/world.hpp"
+#include "rt/clock.hpp"
 
 namespace cargobay::cli {
 namespace {
 
 constexpr std::chrono::hours kPatience{24};  // for a port that is lost
 
+using Told = std::function<void(const std::string&)>;
+
 struct ServeOptions {
   DriveOptions drive{};  // those that say how the robot is wired and driven
   std::string world;
   WebOptions web{};
   bool no_http = false;
+  bool wait = false;
 };
 
 // The virtual Create's world; it outlives the robot.
@@ -53,8 +59,9 @@ hal::Result<void> put_into_world(const ServeOptions& options, hal::sim::Server* 
 // Says where it serves, once the loop runs and the web side is there.
 class Announcement {
  public:
-  Announcement(const ServeOptions& options, const hal::Service& service)
-      : options_{options}, socket_{service.socket()} {}
+  Announcement(const ServeOptions& options, const hal::Service& service,
+               hal::ServiceManager& manager)
+      : options_{options}, socket_{service.socket()}, manager_{manager} {}
 
   hal::Result<void> begin_web() {
     if (options_.no_http) return {};
@@ -71,15 +78,18 @@ class Announcement {
     return {};
   }
   void ready() {
-    if (said_) return;
-    said_ = true;
-    fmt::print("{}\n", web_ ? web_->ready_line() : "serving " + socket_);
+    const std::string line = web_ ? web_->ready_line() : "serving " + socket_;
+    manager_.ready();
+    manager_.status(line);
+    if (std::exchange(said_, true)) return;
+    fmt::print("{}\n", line);
     (void)std::fflush(stdout);
   }
 
  private:
   const ServeOptions& options_;
   std::string socket_;
+  hal::ServiceManager& manager_;  // outlives this
   std::unique_ptr<WebSide> web_{};
   bool said_ = false;
 };
@@ -103,10 +113,21 @@ int serve(const ServeOptions& options) {
   if (chosen->server() != nullptr) schedule(options.drive.sim, *chosen->server());
   robot.pins = chosen->pins();
   robot.learnt = learnt_place(options.drive.learnt, *config);
+  hal::ServiceManager manager;
   std::optional<int> signal;
-  robot.cancelled = [&] {
-    if (!signal) signal = signals.wait(rt::Duration::zero());
+  robot.cancelled = [&] {  // asked wherever the service waits
+    manager.alive(rt::Clock::now());
+    if (!signal && (signal = signals.wait(rt::Duration::zero()))) manager.stopping();
     return signal.has_value();
+  };
+  const auto tell = [&](const std::string& what) {
+    print_remark(what);
+    manager.status(what);
+  };
+  // For who waits for this service it has started: it is there for what comes.
+  const auto missing = [&](const std::string& why) {
+    tell(why);
+    manager.ready();
   };
   auto service = hal::Service::open({.program = "cargobay serve",
                                      .chosen = &*chosen,
@@ -114,9 +135,10 @@ int serve(const ServeOptions& options) {
                                      .robot = robot,
                                      .world = world ? &*world : nullptr,
                                      .patience = kPatience,
-                                     .tell = [](const std::string& what) { print_remark(what); }});
+                                     .missing = options.wait ? missing : Told{},
+                                     .tell = tell});
   if (!service) return fail(service.failure());
-  Announcement announcement{options, **service};
+  Announcement announcement{options, **service, manager};
   if (const auto begun = announcement.begin_web(); !begun) return fail(begun.failure());
   const auto served = (*service)->run([&] { announcement.ready(); });
   const bool ended_so = served || served.failure().code == std::errc::operation_canceled;
@@ -164,6 +186,8 @@ void add_serve(CLI::App& app, Action& chosen) {
       ->type_name("ORIGIN")
       ->allow_extra_args(false);
   command->add_flag("--no-http", options->no_http, "No page: only the feed's socket");
+  command->add_flag("--wait", options->wait,
+                    "Wait for a port or a robot that is not there yet, instead of failing");
   command->footer(
       "Examples:\n"
       "  cargobay serve                             and open http://127.0.0.1:8080/\n"

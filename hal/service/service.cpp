@@ -57,11 +57,6 @@ Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text
 Result<std::unique_ptr<Service>> Service::open(const ServiceOptions& options) {
   std::unique_ptr<Service> service{new Service{options}};
   const ChosenRobot& chosen = *options.chosen;
-  // A pseudo-terminal that goes away does not come back under its name, unless a link leads to it.
-  if (options.patience > rt::Duration::zero() && !chosen.create) {
-    if (auto identity = identify(chosen.port, serial_ports()))
-      service->identity_ = std::move(*identity);
-  }
   auto feed = Feed::open({.of = {.program = options.program,
                                  .port = chosen.port,
                                  .is_virtual = chosen.create != nullptr,
@@ -96,6 +91,9 @@ FeedSteering Service::steering() {
 
 Result<void> Service::run(const std::function<void()>& ready) {
   auto robot = bring_up();
+  if (!robot && options_.missing && !options_.robot.cancelled()) {
+    robot = bring_up_in_time(options_.missing, robot.failure());
+  }
   while (robot) {
     const auto farewell = drive(**robot, ready);
     if (!farewell) return farewell.failure();
@@ -117,6 +115,11 @@ Result<Robot::Owned> Service::bring_up() {
   auto port = open_port(options_.chosen->port, options_.baud);
   if (!port) return port.failure();
   if (!port->remark.empty()) tell(port->remark);
+  // A pseudo-terminal that goes away does not come back under its name, unless a link leads to it.
+  if (options_.patience > rt::Duration::zero() && !options_.chosen->create) {
+    if (auto identity = identify(options_.chosen->port, serial_ports()))
+      identity_ = std::move(*identity);
+  }
   return Robot::open(std::move(port->stream), options_.robot);
 }
 
@@ -152,14 +155,25 @@ Result<Robot::Owned> Service::bring_up_again(const Robot::Farewell& farewell) {
   // A pseudo-terminal's number that is gone may come back as something else.
   const bool is_gone = farewell.end == CycleEnd::hung_up && !options_.chosen->create;
   if (is_gone) return Failure{.message = explain(farewell)};
+  return bring_up_in_time([](const std::string&) {}, std::nullopt);
+}
+
+Result<Robot::Owned> Service::bring_up_in_time(
+    const std::function<void(const std::string&)>& missing, std::optional<Failure> failed) {
   const rt::TimePoint until = rt::Clock::now() + options_.patience;
+  std::string said;
   for (BackOff back_off;;) {
+    if (failed) feed_->report("lost", failed->message);
+    if (failed && std::exchange(said, failed->message) != said) missing(said);
     const rt::TimePoint next = rt::Clock::now() + back_off.next();
     while (rt::Clock::now() < next && !options_.robot.cancelled())
       std::this_thread::sleep_for(kLookAt);
     auto robot = bring_up();
-    if (robot || options_.robot.cancelled() || rt::Clock::now() >= until) return robot;
-    feed_->report("lost", robot.failure().message);
+    if (robot || rt::Clock::now() >= until) return robot;
+    if (options_.robot.cancelled())
+      return Failure{.message = robot.failure().message,
+                     .code = make_error_code(std::errc::operation_canceled)};
+    failed = robot.failure();
   }
 }
 

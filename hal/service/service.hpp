@@ -26,6 +26,9 @@ struct ServiceOptions {
   const sim::World* world = nullptr;  // of its virtual Create, if it lives in one
   // How long a robot whose loop has ended by itself is waited for; 0: not at all.
   rt::Duration patience{};
+  // Called with why the robot cannot be brought up at first, each time that changes; run() then
+  // waits for it too, for as long. Empty: run() fails. On run()'s thread.
+  std::function<void(const std::string&)> missing{};
   // Called with one line each: what happens to the link. On run()'s thread.
   std::function<void(const std::string&)> tell{};
 };
@@ -58,6 +61,10 @@ class Service {
 
   FeedSteering steering();
   Result<Robot::Owned> bring_up();
+  // Again and again, for the patience; `failed` is how it failed before. Calls `missing` with each
+  // reason that is new.
+  Result<Robot::Owned> bring_up_in_time(const std::function<void(const std::string&)>& missing,
+                                        std::optional<Failure> failed);
   // Until the loop ends, or it is cancelled.
   Result<Robot::Farewell> drive(Robot& robot, const std::function<void()>& ready);
   Result<Robot::Owned> bring_up_again(const Robot::Farewell& farewell);
