@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of one purpose, if any is missing.
-# usage: .ci/packages.sh run|quick|test|package|package-arm64|package-armhf [--list]
+# usage: .ci/packages.sh run|quick|test|machine|package|package-arm64|package-armhf [--list]
 #   run      what examples/run.sh needs: to build the command
 #   quick    what tests/run.sh --quick needs
 #   test     what tests/run.sh needs: sanitizers, lint, cross compilers
+#   machine  what tests/machine needs
 #   package  what .ci/package.sh needs; package-arm64 and package-armhf to cross-compile
 # Asks nothing. Uses sudo only if not root.
 set -euo pipefail
@@ -26,6 +27,7 @@ test=("${quick[@]}" librapidcheck-dev libbenchmark-dev libboost-dev spin help2ma
   chromium chromium-driver python3-selenium)
 # Independent checkers for tests come from npm, which some packages of nodejs bring along.
 command -v npm > /dev/null || test+=(npm)
+machine=("${run[@]}" python3 debootstrap qemu-system-x86 qemu-utils e2fsprogs)
 package=("${run[@]}" dpkg-dev file)
 package_arm64=("${package[@]}" crossbuild-essential-arm64
   libserialport-dev:arm64 libgpiod-dev:arm64 libfmt-dev:arm64 libncurses-dev:arm64
@@ -38,11 +40,12 @@ case ${1:-} in
   run) wanted=("${run[@]}") ;;
   quick) wanted=("${quick[@]}") ;;
   test) wanted=("${test[@]}") ;;
+  machine) wanted=("${machine[@]}") ;;
   package) wanted=("${package[@]}") ;;
   package-arm64) wanted=("${package_arm64[@]}") ;;
   package-armhf) wanted=("${package_armhf[@]}") ;;
   *)
-    sed -n '2,8s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,9s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac

@@ -1,5 +1,6 @@
 """qemu from outside: the sockets that it listens at, its monitor, a line to the machine's shell."""
 
+import codecs
 import json
 import re
 import select
@@ -10,11 +11,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 
-def lacks(tools: list[str]) -> bool:
-    """Says which of them, and what to do about it."""
+def lacks(tools: list[str], purpose: str = "test") -> bool:
+    """Says which of them, and what to do about it: packages of that purpose."""
     missing = [tool for tool in tools if shutil.which(tool) is None]
     if missing:
-        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh test")
+        print(f"SKIPPED: no {', '.join(missing)}; run .ci/packages.sh {purpose}")
     return bool(missing)
 
 
@@ -67,6 +68,7 @@ class Shell:
         self.link = connect(path)
         self.look = look
         self.heard = ""
+        self.decoder = codecs.getincrementaldecoder("utf-8")(errors="replace")
 
     def wait_for(self, pattern: str, timeout_s: float) -> re.Match:
         """What the machine prints up to there; it is taken."""
@@ -81,7 +83,7 @@ class Shell:
             if left <= 0:
                 raise TimeoutError(f"no {pattern!r} within {timeout_s} s; the machine said:\n{self.heard}")
             if select.select([self.link], [], [], min(left, 0.5))[0]:
-                self.heard += self.link.recv(4096).decode(errors="replace").replace("\r", "")
+                self.heard += self.decoder.decode(self.link.recv(4096)).replace("\r", "")
 
     def start(self, line: str) -> None:
         """Runs the line; its end is waited for by end()."""

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Our packages on a whole PC in qemu: Debian with systemd, udev and PREEMPT_RT, an FTDI adapter that
+comes and goes. What the virtual Create at the adapter saw of it is the witness.
+
+usage: machine_test.py bookworm|trixie COMMAND FOLDER PACKAGES [--faults] [STORY...]
+  COMMAND   the cargobay of this machine, which serves the virtual Create
+  FOLDER    for what is downloaded and built; kept for the next time
+  PACKAGES  a folder with the packages, made by .ci/package.sh
+  STORY     of tests/machine/stories; without one, all of them in their order, on one machine
+  --faults  plants each fault of the stories, and fails if it is not found
+Needs root, for debootstrap. Exit 77, and says why, where something that it needs is missing.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+
+import story
+from emulator.qemu import lacks
+from emulator.virtual_create import VirtualCreate
+from image import TOOLS, Disk, base, installed, overlay, pack
+from machine import Machine
+
+SHARE_BYTES = 64 << 20
+
+
+def share(folder: Path, packages: list[Path]) -> Path:
+    """A disk with our packages and what the steps run."""
+    content = folder / "share"
+    shutil.rmtree(content, ignore_errors=True)
+    shutil.copytree(HERE / "share", content)
+    for package in packages:
+        shutil.copy(package, content)
+    disk = folder / "share.disk"
+    pack(content, disk, SHARE_BYTES, folder / "share.log")
+    return disk
+
+
+def tell(
+    names: list[str], made: Disk, folder: Path, packages: list[Path], command: Path, faults: bool
+) -> int:
+    """How many of the steps failed, all on one machine."""
+    failures = 0
+    robot = VirtualCreate(command, folder)
+    try:
+        begin = time.monotonic()
+        disk = overlay(made.disk, folder / "disk.qcow2")
+        machine = Machine(made, disk, share(folder, packages), folder, robot)
+        try:
+            machine.booted()
+            print(f"booted in {time.monotonic() - begin:.1f} s", flush=True)
+            for name in names:
+                told = story.read(HERE / f"stories/{name}.toml")
+                slowness = machine.slowness()
+                print(f"{name}: {told.title} ({slowness:.0f} times slower than this host)", flush=True)
+                failures += sum(not story.tell(machine, step, slowness) for step in told.steps)
+                if faults:
+                    failures += sum(not story.is_found(machine, told, fault) for fault in told.faults)
+        finally:
+            machine.close()
+    finally:
+        robot.close()
+    return failures
+
+
+def main() -> int:
+    if len(sys.argv) < 5 or sys.argv[1] not in ("bookworm", "trixie"):
+        print(__doc__, file=sys.stderr)
+        return 2
+    if lacks(TOOLS, "machine"):
+        return 77
+    if os.geteuid() != 0:
+        print("SKIPPED: needs root, for debootstrap")
+        return 77
+    suite, (command, cache, where) = sys.argv[1], (Path(path).resolve() for path in sys.argv[2:5])
+    architecture = subprocess.run(["dpkg", "--print-architecture"], capture_output=True, text=True,
+                                  check=True).stdout.strip()  # fmt: skip
+    packages = sorted([*where.glob(f"*_{architecture}.deb"), *where.glob("*_all.deb")])
+    if len(packages) != 5:
+        print(f"SKIPPED: {len(packages)} of five packages in {where}; make them with .ci/package.sh")
+        return 77
+    begin = time.monotonic()
+    made = installed(cache, base(cache, suite), packages)
+    print(f"{suite}: {made.disk.parent.name}, {time.monotonic() - begin:.1f} s", flush=True)
+    folder = cache / "run"
+    folder.mkdir(exist_ok=True)
+    wanted = [word for word in sys.argv[5:] if word != "--faults"]
+    faults = "--faults" in sys.argv[5:]
+    names = wanted or sorted(path.stem for path in (HERE / "stories").glob("*.toml"))
+    failures = tell(names, made, folder, packages, command, faults)
+    print(f"{failures} failed" if failures else "all as it should be")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
