@@ -15,6 +15,7 @@ namespace {
 constexpr double kSpeedMmPerSec = 250.0;
 constexpr double kYieldMmPerSec = 120.0;
 constexpr double kBackOffMm = 60.0;
+constexpr rt::Duration kTouchesFor = std::chrono::milliseconds{500};
 constexpr rt::Duration kLeavesBaseAlone = std::chrono::seconds{5};
 
 // Wimp.
@@ -36,6 +37,7 @@ void Demos::start(std::int32_t number, const View& view) {
   number_ = running_ ? static_cast<oi::DemoNumber>(number) : oi::DemoNumber::abort;
   started_at_ = view.now;
   docks_again_at_ = view.now;
+  touches_since_ = view.now;
   gave_up_ = 0;
   turns_ = 0;
   played_ = 0;
@@ -96,8 +98,11 @@ bool Demos::evade(const View& view, Action& action) {
 // "Identical to the Cover demo, with one exception": where it sees a Home Base, it docks (OI p. 8).
 Demos::Action Demos::cover(const View& view, bool docks) {
   const Inputs& seen = *view.seen;
-  if (seen.home_base || seen.charger) return {.over = true};
   floor_.watch(view);
+  // It stands, and has docked if it still touches the base then: it may coast past the contacts.
+  const bool touches = seen.home_base || seen.charger;
+  if (!touches) touches_since_ = view.now;
+  if (touches) return {.over = view.now - touches_since_ >= kTouchesFor};
   if (docks) docking_.watch(view, floor_);
   const bool again = view.now >= docks_again_at_ || (gave_up_ < 3 && sees_both_buoys(seen));
   const bool finds = docks && !docking_.active() && again;

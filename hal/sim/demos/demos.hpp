@@ -52,6 +52,7 @@ class Demos {
   Evasion evasion_{};
   rt::Duration started_at_{0};
   rt::Duration docks_again_at_{0};  // until then it leaves the base alone
+  rt::Duration touches_since_{0};   // it touches the base or a charger, if it does
   std::uint32_t gave_up_ = 0;       // attempts to dock
   bool follows_ = false;            // has found a wall
   bool yields_ = false;             // was pushed

@@ -92,9 +92,9 @@ TEST(DemoWorlds, CoverAndDockDocksFromEveryPlaceThatSeesABeam) {
       world.sense(at(x, y, 0), seen);
       if (!seen.beams().any()) continue;
       Living robot{world, at(x, y, 77.0 * ++starts), 1};
-      const auto charging = [&] { return robot.device.battery().charging(); };
-      EXPECT_LT(robot.until(charging, 180.0), 180.0) << x << ' ' << y;
-      EXPECT_FALSE(robot.device.demos().running());
+      const auto ends = [&] { return !robot.device.demos().running(); };
+      EXPECT_LT(robot.until(ends, 180.0), 180.0) << x << ' ' << y;
+      EXPECT_TRUE(robot.device.battery().charging()) << x << ' ' << y;
     }
   }
   EXPECT_GT(starts, 20);

@@ -99,6 +99,21 @@ TEST(Demos, CoverAndDockEndsOnTheHomeBase) {
   EXPECT_FALSE(robot.moves());
 }
 
+// It may coast past the contacts.
+TEST(Demos, CoverAndDockGoesOnIfItTouchedTheBaseOnlyInPassing) {
+  Demonstrating robot{1};
+  robot.device.inputs().home_base = true;
+  robot.wait(300ms);
+  EXPECT_FALSE(robot.moves());
+  EXPECT_TRUE(robot.device.demos().running());
+  robot.device.inputs().home_base = false;
+  robot.wait(300ms);
+  EXPECT_TRUE(robot.moves());
+  robot.device.inputs().home_base = true;
+  robot.wait(600ms);
+  EXPECT_FALSE(robot.device.demos().running());
+}
+
 TEST(Demos, SpotComesBackToWhereItBegan) {
   Demonstrating robot{2};
   robot.wait(61s);
