@@ -62,8 +62,9 @@ inline bool sees_both_buoys(const Inputs& seen) {
   return (seen.beams() & kBothBuoys) == kBothBuoys;
 }
 
-// Back for so far, then around on the spot. With no way back it first lets the wheels come to rest:
-// the encoders cannot see which way they coast.
+// Back for so far, then around on the spot. Between these, and before the robot drives on, it lets
+// the wheels come to rest: the encoders cannot see which way they coast, and each turn would put
+// the reckoned heading off by degrees. A turn that meets a cliff goes the other way round.
 class Evasion {
  public:
   Evasion() = default;
@@ -78,7 +79,7 @@ class Evasion {
   bool step(const DemoView& view, WheelSpeeds& wheels);
 
  private:
-  enum class Phase : std::uint8_t { over, brake, back, turn };
+  enum class Phase : std::uint8_t { over, brake, back, turn, rest };
 
   void brake(const DemoView& view);
   bool stands(const DemoView& view);
@@ -95,15 +96,17 @@ class Evasion {
   void begin_turn(const DemoView& view);
   void turn(const DemoView& view);
 
-  bool backs_ = false;     // once it stands
-  bool undoes_ = false;    // a turn that led onto a cliff
-  bool at_cliff_ = false;  // at the last tick of the turn
+  bool backs_ = false;      // once it stands
+  bool other_way_ = false;  // round, because the shorter one leads onto a cliff
+  bool undoes_ = false;     // a turn that led onto a cliff both ways
+  bool at_cliff_ = false;   // at the last tick of the turn
   rt::Duration stands_since_{0};
   double cliff_mm_ = -std::numeric_limits<double>::infinity();  // where it saw one last
   double stood_mm_ = 0.0;
   double stood_deg_ = 0.0;
   double began_travelled_mm_ = 0.0;
   double began_turned_deg_ = 0.0;
+  double from_deg_ = 0.0;                                           // its heading before the turn
   double turned_at_mm_ = -std::numeric_limits<double>::infinity();  // where it did so last
 };
 

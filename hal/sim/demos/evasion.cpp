@@ -28,6 +28,7 @@ void Evasion::start(const DemoView& view, double back_mm, double turn_deg) {
   backs_ = back_mm_ > 0.0;
   brake(view);
   turn_deg_ = turn_deg;
+  other_way_ = false;
   undoes_ = false;
   began_turned_deg_ = view.turned_deg;
   // At once, or the caster is over the cliff before the robot stands.
@@ -72,10 +73,11 @@ void Evasion::retreat(const DemoView& view) {
 
 void Evasion::begin_turn(const DemoView& view) {
   // So close to a cliff a wheel would drop.
-  if (view.seen->any_cliff() && !undoes_ && way_back_mm(view) > kLeastBackMm) {
+  if (view.seen->any_cliff() && !other_way_ && way_back_mm(view) > kLeastBackMm) {
     retreat(view);
     return;
   }
+  if (!other_way_) from_deg_ = view.turned_deg;
   phase_ = Phase::turn;
   began_turned_deg_ = view.turned_deg;
   at_cliff_ = cliff_ahead(*view.seen);
@@ -87,8 +89,11 @@ void Evasion::turn(const DemoView& view) {
   const bool meets_cliff = at_cliff && !at_cliff_;
   at_cliff_ = at_cliff;
   if (meets_cliff && !undoes_) {
-    undoes_ = true;
-    turn_deg_ = -turned_deg;
+    // The other way round to the same heading; with a cliff there too, back to where it began.
+    undoes_ = other_way_;
+    other_way_ = true;
+    turn_deg_ = undoes_ ? from_deg_ - view.turned_deg
+                        : turn_deg_ - turned_deg - std::copysign(360.0, turn_deg_);
     brake(view);
     return;
   }
@@ -99,8 +104,8 @@ void Evasion::turn(const DemoView& view) {
     retreat(view);
     return;
   }
-  phase_ = Phase::over;
-  turned_at_mm_ = view.travelled_mm;
+  brake(view);
+  phase_ = Phase::rest;
 }
 
 bool Evasion::step(const DemoView& view, WheelSpeeds& wheels) {
@@ -114,9 +119,14 @@ bool Evasion::step(const DemoView& view, WheelSpeeds& wheels) {
     }
   }
   if (phase_ == Phase::turn) turn(view);
+  if (phase_ == Phase::rest && stands(view)) {
+    phase_ = Phase::over;
+    turned_at_mm_ = view.travelled_mm;
+  }
   const bool careful = std::abs(view.travelled_mm - cliff_mm_) < kCarefulMm;
   switch (phase_) {
     case Phase::over: return false;
+    case Phase::rest:
     case Phase::brake: wheels = {}; return true;
     case Phase::back: wheels = straight(-kEvadeBackMmPerSec); return true;
     case Phase::turn:

@@ -24,6 +24,8 @@ constexpr double kBumpSideDeg = 45.0;
 // A bumper that is pressed holds the robot, whatever its wheels do: how much of its way remains.
 constexpr double kPartHeldBoth = 0.1;
 constexpr double kPartHeldSide = 0.6;
+// With one side it slides along what it touches: by so much of its way to the other side.
+constexpr double kPartAside = 0.36;
 
 constexpr double kMmPerDeg = 3.0;
 constexpr std::size_t kEnclosed = 60;  // cells: too few to be all of the room
@@ -74,11 +76,16 @@ void FloorMemory::watch(const DemoView& view) {
 
 void FloorMemory::reckon(const DemoView& view) {
   double gone_mm = view.travelled_mm - last_travelled_mm_;
-  if (gone_mm > 0.0 && bumped(*view.seen))
-    gone_mm *= bumped_both(*view.seen) ? kPartHeldBoth : kPartHeldSide;
+  double aside_mm = 0.0;
+  if (gone_mm > 0.0 && bumped_both(*view.seen)) {
+    gone_mm *= kPartHeldBoth;
+  } else if (gone_mm > 0.0 && bumped(*view.seen)) {
+    aside_mm = (view.seen->bump_left ? -kPartAside : kPartAside) * gone_mm;
+    gone_mm *= kPartHeldSide;
+  }
   const double heading_rad = radians(0.5 * (view.turned_deg + last_turned_deg_));
-  here_.x_mm += gone_mm * std::cos(heading_rad);
-  here_.y_mm += gone_mm * std::sin(heading_rad);
+  here_.x_mm += gone_mm * std::cos(heading_rad) - aside_mm * std::sin(heading_rad);
+  here_.y_mm += gone_mm * std::sin(heading_rad) + aside_mm * std::cos(heading_rad);
   way_mm_ += std::abs(view.travelled_mm - last_travelled_mm_);
   last_travelled_mm_ = view.travelled_mm;
   last_turned_deg_ = view.turned_deg;

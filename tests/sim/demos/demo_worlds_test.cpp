@@ -58,6 +58,20 @@ struct Living : Robot {
   }
 };
 
+// What finds the base: after minutes of turns the robot still knows which way it faces.
+TEST(DemoWorlds, CoverKeepsTheHeadingThatItReckonsWith) {
+  const World world = world_with("post 1500 1500 60\n");
+  Living robot{world, at(1000, 1200, 30), 0};
+  const double from_deg = robot.pose().heading_rad * 180.0 / std::numbers::pi;
+  double turned_deg = 0.0;
+  for (int i = 0; i < 1200; ++i) {
+    robot.wait(90ms);
+    turned_deg += word(robot.ask({142, 20}), 0);
+  }
+  const double truth_deg = robot.pose().heading_rad * 180.0 / std::numbers::pi - from_deg;
+  EXPECT_NEAR(std::remainder(turned_deg - truth_deg, 360.0), 0.0, 3.0);
+}
+
 TEST(DemoWorlds, CoverBouncesFollowsWallsAndSpirals) {
   const World world = world_with("");
   Living robot{world, at(1000, 1200, 30), 0};

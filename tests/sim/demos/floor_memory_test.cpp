@@ -61,6 +61,21 @@ TEST(FloorMemory, DoesNotCountTheWayOfWheelsThatSlip) {
   EXPECT_NEAR(robot.floor.here().x_mm, 420.0, 1.0);
 }
 
+TEST(FloorMemory, CountsTheWayAlongWhatOneSideTouches) {
+  Remembering robot;
+  robot.seen.bump_left = true;
+  robot.drive(100.0);
+  EXPECT_NEAR(robot.floor.here().x_mm, 60.0, 1.0);
+  EXPECT_NEAR(robot.floor.here().y_mm, -36.0, 1.0);
+  robot.seen.bump_left = false;
+  robot.seen.bump_right = true;
+  robot.drive(100.0);
+  EXPECT_NEAR(robot.floor.here().y_mm, 0.0, 1.0);
+  robot.drive(-100.0);  // away from it: nothing holds it
+  EXPECT_NEAR(robot.floor.here().x_mm, 20.0, 1.0);
+  EXPECT_NEAR(robot.floor.here().y_mm, 0.0, 1.0);
+}
+
 TEST(FloorMemory, LeadsToPlacesThatAreNew) {
   Remembering robot;
   robot.drive(1000.0);
@@ -236,8 +251,7 @@ TEST(Evasion, BacksOffFromACliffAtOnce) {
   EXPECT_LT(wheels.right_mm_s, 0.0);
 }
 
-// Turning further would bring a wheel over it.
-TEST(Evasion, TurnsBackFromACliffThatItTurnsOnto) {
+TEST(Evasion, StandsBeforeItDrivesOn) {
   Inputs seen;
   DemoView view{.seen = &seen, .travelled_mm = 1000.0};
   Evasion evasion;
@@ -249,14 +263,64 @@ TEST(Evasion, TurnsBackFromACliffThatItTurnsOnto) {
     return evasion.step(view, wheels);
   };
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(tick(0.0));
-  for (int i = 0; i < 10; ++i) ASSERT_TRUE(tick(2.0));
-  seen.cliff_left.cliff = true;
-  ASSERT_TRUE(tick(2.0));
+  EXPECT_LT(wheels.left_mm_s, 0.0) << "it turns";
+  for (int i = 0; i < 9; ++i) ASSERT_TRUE(tick(10.0));
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(tick(2.0));
+    EXPECT_EQ(wheels, WheelSpeeds{}) << "while it coasts";
+  }
+  ASSERT_TRUE(tick(0.0));
+  bool active = true;
+  for (int i = 0; i < 5 && active; ++i) active = tick(0.0);
+  EXPECT_FALSE(active);
+}
+
+// Turning further would bring a wheel over it.
+struct TurningToACliff : testing::Test {
+  Inputs seen{};
+  DemoView view{.seen = &seen, .travelled_mm = 1000.0};
+  Evasion evasion{};
+  WheelSpeeds wheels{};
+
+  bool tick(double deg) {
+    view.now += std::chrono::milliseconds{15};
+    view.turned_deg += deg;
+    return evasion.step(view, wheels);
+  }
+  void SetUp() override {
+    evasion.start(view, 0.0, 90.0);
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(tick(0.0));
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(tick(2.0));
+    seen.cliff_left.cliff = true;
+    ASSERT_TRUE(tick(2.0));
+    EXPECT_EQ(wheels, WheelSpeeds{});
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(tick(0.0));
+    EXPECT_GT(wheels.left_mm_s, 0.0) << "to the right";
+    seen.cliff_left.cliff = false;
+  }
+};
+
+TEST_F(TurningToACliff, GetsToItsHeadingTheOtherWayRound) {
+  for (int i = 0; i < 145; ++i) {
+    ASSERT_TRUE(tick(-2.0));
+    EXPECT_GT(wheels.left_mm_s, 0.0);
+  }
+  bool active = true;
+  for (int i = 0; i < 10 && active; ++i) active = tick(i < 2 ? -2.0 : 0.0);
+  EXPECT_FALSE(active);
+  EXPECT_NEAR(view.turned_deg, 90.0 - 360.0, 3.0);
+}
+
+TEST_F(TurningToACliff, TurnsBackIfItMeetsOneThatWayToo) {
+  for (int i = 0; i < 31; ++i) ASSERT_TRUE(tick(-2.0));
+  seen.cliff_right.cliff = true;
+  ASSERT_TRUE(tick(-2.0));
   EXPECT_EQ(wheels, WheelSpeeds{});
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(tick(0.0));
-  EXPECT_GT(wheels.left_mm_s, 0.0) << "to the right again";
-  seen.cliff_left.cliff = false;
-  for (int i = 0; i < 11; ++i) ASSERT_TRUE(tick(-2.0));
+  EXPECT_LT(wheels.left_mm_s, 0.0) << "to the left again";
+  seen.cliff_right.cliff = false;
+  for (int i = 0; i < 21; ++i) ASSERT_TRUE(tick(2.0));
+  EXPECT_NEAR(view.turned_deg, 0.0, 3.0);
   EXPECT_LT(wheels.left_mm_s, 0.0) << "and back the way it came";
   EXPECT_LT(wheels.right_mm_s, 0.0);
 }
