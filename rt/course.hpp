@@ -28,6 +28,15 @@ class Course {
   struct Ways {
     WheelSpeeds if_carried{};
     WheelSpeeds if_lost{};
+    // By how much a reading has just corrected the turn of the latter, right less left: it has come
+    // about since the reading before, evenly.
+    double corrected_mm = 0.0;
+  };
+
+  // How well the robot is known by now.
+  struct Known {
+    double carried = 0.5;  // how likely it carries the remainder, 0 to 1
+    bool gains = false;    // to a hundredth: no load has just come, the first step is over
   };
 
   explicit Course(const Parameters& parameters) : parameters_{parameters} {}
@@ -35,13 +44,18 @@ class Course {
   // The wheels do what nobody asked for, or stand: nothing of it is to be taken back.
   void forget() CARGOBAY_NONBLOCKING;
 
-  // One tick, at whose end the wheels have gone `ways` and turn at `now`. `carried`: how likely the
-  // robot is to carry the remainder, 0 to 1. Returns the set speeds that bring it back.
+  // One tick, at whose end the wheels have gone `ways` and turn at `now`. Returns the set speeds
+  // that bring it back.
   WheelSpeeds step(const WheelSpeeds& target, const WheelSpeeds& set, const WheelSpeeds& now,
-                   const Ways& ways, double carried, double tick_s) CARGOBAY_NONBLOCKING;
+                   const Ways& ways, const Known& known, double tick_s) CARGOBAY_NONBLOCKING;
 
  private:
   bool follows(const WheelSpeeds& target, const WheelSpeeds& now) CARGOBAY_NONBLOCKING;
+  double off_mm() const CARGOBAY_NONBLOCKING;
+  void go_aside(const Ways& ways, double way_mm, double carried) CARGOBAY_NONBLOCKING;
+  double held_back_mm_s(const WheelSpeeds& set) const CARGOBAY_NONBLOCKING;
+  double back_mm_s(const WheelSpeeds& set, const WheelSpeeds& now, const Known& known) const
+      CARGOBAY_NONBLOCKING;
   double across(const WheelSpeeds& way) const CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
@@ -53,6 +67,7 @@ class Course {
   double if_lost_mm_ = 0.0;
   // How far the right wheel is ahead of where it should be, less that of the left one.
   double error_mm_ = 0.0;
+  double unread_way_mm_ = 0.0;  // since a reading corrected the turn
   double aside_mm_ = 0.0;  // what the way went aside for it, as an error to be had for the way back
 };
 

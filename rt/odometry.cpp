@@ -12,6 +12,8 @@ double variance_of(double most) CARGOBAY_NONBLOCKING { return most * most / 2.0;
 
 void Odometry::reset(const OdometryPose& pose) CARGOBAY_NONBLOCKING {
   pose_ = pose;
+  read_x_mm_ = pose.x_mm;
+  read_y_mm_ = pose.y_mm;
   grown_ = {};
   by_left_ = {};
   by_right_ = {};
@@ -34,6 +36,17 @@ double Odometry::lasting_heading_variance() const CARGOBAY_NONBLOCKING {
       by_left_.heading_rad * by_left_.heading_rad + by_right_.heading_rad * by_right_.heading_rad;
   return variance_of(parameters_.wheel_error) * of_wheels +
          variance_of(parameters_.base_error) * by_base_.heading_rad * by_base_.heading_rad;
+}
+
+// The turn that a reading found has come about since the one before, evenly, so that half of it
+// was missing on the way between them.
+void Odometry::bend(double turn_rad) CARGOBAY_NONBLOCKING {
+  const double x_mm = pose_.x_mm - read_x_mm_;
+  const double y_mm = pose_.y_mm - read_y_mm_;
+  pose_.x_mm -= y_mm * turn_rad / 2.0;
+  pose_.y_mm += x_mm * turn_rad / 2.0;
+  read_x_mm_ = pose_.x_mm;
+  read_y_mm_ = pose_.y_mm;
 }
 
 void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
@@ -85,6 +98,7 @@ void Odometry::step(const Travel& travel) CARGOBAY_NONBLOCKING {
   pose_.y_mm += y_mm;
   pose_.heading_rad += turn_rad;
   distance_mm_ += distance_mm;
+  if (travel.turn_corrected_rad != 0.0) bend(travel.turn_corrected_rad * parameters_.turn_scale);
   unread_distance_ = travel.unread_distance_variance;
   unread_turn_ = travel.unread_turn_variance;
 }

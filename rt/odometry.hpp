@@ -67,10 +67,13 @@ class Odometry {
   };
   void derive(Derivative& by, double chord_mm, double by_distance_mm, double by_turn_rad) const
       CARGOBAY_NONBLOCKING;
+  void bend(double turn_rad) CARGOBAY_NONBLOCKING;
   double lasting_heading_variance() const CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   OdometryPose pose_{};
+  double read_x_mm_ = 0.0;  // where the last reading corrected the turn
+  double read_y_mm_ = 0.0;
   double distance_mm_ = 0.0;
   PoseCovariance grown_{};
   Derivative by_left_{};  // way

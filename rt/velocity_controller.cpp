@@ -25,8 +25,8 @@ double VelocityController::command(const Wish& wish, const Wheel& wheel) const
   const double lead_mm_s = wish.ahead_mm_s + wheel.lag_s * wish.rate_mm_s2;
   const double feedback_mm_s =
       wheel.proportional * (wish.set_mm_s - wheel.speed_mm_s) - wheel.disturbance_mm_s;
-  const double most_mm_s =
-      VelocityController::most_mm_s(std::max(std::abs(wish.set_mm_s), std::abs(wish.target_mm_s)));
+  const double most_mm_s = VelocityController::most_mm_s(
+      std::max(std::abs(wish.asked_mm_s), std::abs(wish.target_mm_s)));
   const double wanted_mm_s = std::clamp((lead_mm_s + feedback_mm_s) / gain, -most_mm_s, most_mm_s);
   if (std::abs(wheel.speed_mm_s) > kRollsMmS && wanted_mm_s * wheel.speed_mm_s < 0.0) return 0.0;
   // The end of a way down is led by less than nothing, but a wheel is stopped by 0.

@@ -30,7 +30,8 @@ class VelocityController {
     double speed_mm_s = 0.0;
   };
   struct Wish {
-    double set_mm_s = 0.0;     // now
+    double asked_mm_s = 0.0;   // now
+    double set_mm_s = 0.0;     // the same, and what the course takes back
     double ahead_mm_s = 0.0;   // when the command will act
     double rate_mm_s2 = 0.0;   // at which it changes then
     double target_mm_s = 0.0;  // and where to

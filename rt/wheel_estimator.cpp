@@ -75,7 +75,9 @@ WheelEstimator::WheelEstimator(const Parameters& parameters)
              .tick_s = parameters.tick_s,
              .input_delay_s = parameters.input_delay_s,
              .likely_lag_s = parameters.likely_lag_s,
-             .told = parameters.told}} {
+             .told = parameters.told}},
+      turns_{{.step_mm = parameters.wheel_base_mm * std::numbers::pi / 180.0,
+              .tick_s = parameters.tick_s}} {
   reset();
 }
 
@@ -89,6 +91,10 @@ void WheelEstimator::reset() CARGOBAY_NONBLOCKING {
   lost_likelihood_ = 0.0;
   bank_.reset();
   if (parameters_.prior) bank_.begin_from(*parameters_.prior);
+  turns_.reset(gains());
+  taken_turns_ = {};
+  corrected_mm_ = 0.0;
+  follows_turns_ = true;
   // The first reading counts from the robot's last read, whenever that was.
   distance_ = {.unsure = true};
   turn_ = {.unsure = true};
@@ -108,6 +114,7 @@ void WheelEstimator::reset() CARGOBAY_NONBLOCKING {
 
 void WheelEstimator::predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
   const WheelSpeeds now = speeds();
+  just_corrected_mm_ = 0.0;
   bank_.step(command);
   if (command != WheelSpeeds{}) ++moved_ticks_;
   command_unsure_ = std::max(command_unsure_ - 1, 0);
@@ -145,6 +152,7 @@ void WheelEstimator::predict(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
                                hypothesis == &lost_ ? whole_lost : whole);
     }
   }
+  follow_turn(response, whole);
   ++distance_.ticks;
   ++turn_.ticks;
   turn_.straight_mm +=
@@ -212,6 +220,12 @@ WheelEstimator::Evidence WheelEstimator::read(Axis axis, int count) CARGOBAY_NON
   const double carried =
       (turns ? carried_.turn : carried_.distance).read(count, Remainder::carried);
   const double lost = (turns ? lost_.turn : lost_.distance).read(count, Remainder::lost);
+  if (turns && follows_turns_) {
+    const double former_mm = turns_.turn_mm();
+    turns_.read(count);
+    just_corrected_mm_ = turns_.turn_mm() - former_mm;
+    corrected_mm_ += just_corrected_mm_;
+  }
   carried_likelihood_ += carried;
   lost_likelihood_ += lost;
   bank_.read(axis, count, ticks, belief_, speeds());
@@ -231,6 +245,7 @@ void WheelEstimator::read_unseen(Axis axis) CARGOBAY_NONBLOCKING {
   const bool turns = axis == Axis::turn;
   (turns ? turn_ : distance_).judge.doubt();
   bank_.read_unseen(axis);
+  if (turns && follows_turns_) turns_.read_unseen();
   for (Hypothesis* hypothesis : {&carried_, &lost_})
     (turns ? hypothesis->turn : hypothesis->distance).read_unseen(hypothesis->remainder);
 }
@@ -296,36 +311,6 @@ WheelSpeeds WheelEstimator::disturbances() const CARGOBAY_NONBLOCKING {
   return mix(&AxisFilter::disturbance_mm_s);
 }
 
-Course::Ways WheelEstimator::ways() const CARGOBAY_NONBLOCKING {
-  const auto of = [](const Hypothesis& hypothesis) CARGOBAY_NONBLOCKING {
-    const double mean = hypothesis.distance.travel_mm();
-    const double half = hypothesis.turn.travel_mm() / 2.0;
-    return WheelSpeeds{mean - half, mean + half};
-  };
-  return {.if_carried = of(carried_), .if_lost = of(lost_)};
-}
-
-Travel WheelEstimator::take_travel(Hypothesis& hypothesis) const CARGOBAY_NONBLOCKING {
-  const double base = parameters_.wheel_base_mm;
-  const Taken now{.distance_mm = hypothesis.distance.travel_mm(),
-                  .turn_mm = hypothesis.turn.travel_mm(),
-                  .distance_variance = hypothesis.distance.forgotten_variance(),
-                  .turn_variance = hypothesis.turn.forgotten_variance()};
-  const Taken former = std::exchange(hypothesis.taken, now);
-  // While the speed is steady, successive readings lose alike, and their errors add up.
-  constexpr double kAlike = 3.0;
-  return {.distance_mm = now.distance_mm - former.distance_mm,
-          .turn_rad = (now.turn_mm - former.turn_mm) / base,
-          .distance_variance = kAlike * (now.distance_variance - former.distance_variance),
-          .turn_variance = kAlike * (now.turn_variance - former.turn_variance) / (base * base),
-          .unread_distance_variance = hypothesis.distance.unread_variance(),
-          .unread_turn_variance = hypothesis.turn.unread_variance() / (base * base)};
-}
-
-Travels WheelEstimator::take_travels() CARGOBAY_NONBLOCKING {
-  return {.if_carried = take_travel(carried_), .if_lost = take_travel(lost_)};
-}
-
 WheelEstimator::Unread WheelEstimator::unread_distance() const CARGOBAY_NONBLOCKING {
   const AxisFilter& axis = lost_.distance;
   return {.steps = axis.unread_mm(),
@@ -333,12 +318,17 @@ WheelEstimator::Unread WheelEstimator::unread_distance() const CARGOBAY_NONBLOCK
           .steps_a_tick = axis.speed_mm_s() * parameters_.tick_s};
 }
 
+// Until some motion has shown it, a wheel may also turn as no plant would have it.
 WheelEstimator::Unread WheelEstimator::unread_turn() const CARGOBAY_NONBLOCKING {
+  constexpr double kShownS = 3.0;
   const AxisFilter& axis = lost_.turn;
   const double step_mm = parameters_.wheel_base_mm * std::numbers::pi / 180.0;
+  const bool shown = sure() && static_cast<double>(moved_ticks_) * parameters_.tick_s > kShownS;
   const double off_mm = bank_.estimate().gain_difference_sd * turn_.straight_mm;
-  return {.steps = axis.unread_mm() / step_mm,
-          .sd = length(std::sqrt(axis.unread_variance()), off_mm) / step_mm,
+  const double sd_mm = shown ? std::sqrt(turns_.unread_variance())
+                             : length(std::sqrt(axis.unread_variance()), off_mm);
+  return {.steps = (shown ? turns_.unread_mm() : axis.unread_mm()) / step_mm,
+          .sd = sd_mm / step_mm,
           .steps_a_tick = axis.speed_mm_s() * parameters_.tick_s / step_mm,
           .blank_ticks = turn_.blank_ticks};
 }

@@ -21,6 +21,7 @@
 #include "rt/remainder.hpp"
 #include "rt/remainder_judge.hpp"
 #include "rt/travel.hpp"
+#include "rt/turn_observer.hpp"
 #include "rt/wheel_speeds.hpp"
 
 namespace cargobay::rt {
@@ -190,12 +191,22 @@ class WheelEstimator {
   void set_log_odds(double log_odds) CARGOBAY_NONBLOCKING;
   double prior_log_odds() const CARGOBAY_NONBLOCKING;
 
+  void follow_turn(const AxisFilter::Response& response, const AxisFilter::Doubt& doubt)
+      CARGOBAY_NONBLOCKING;
+  TurnObserver::Begin gains() const CARGOBAY_NONBLOCKING;
   Travel take_travel(Hypothesis& hypothesis) const CARGOBAY_NONBLOCKING;
+  void observe_turn(Travel& travel) CARGOBAY_NONBLOCKING;
 
   Parameters parameters_;
   Hypothesis carried_;
   Hypothesis lost_;
+  Taken taken_turns_{};
   PlantBank bank_;
+  TurnObserver turns_;  // of a robot that loses the remainder
+  bool follows_turns_ = true;
+  // By how much a reading of the last step corrected it, and all since its travel was taken.
+  double just_corrected_mm_ = 0.0;
+  double corrected_mm_ = 0.0;
   Counter distance_{};
   Counter turn_{};
   int command_unsure_ = 0;  // ticks left

@@ -30,6 +30,9 @@ void WheelLoop::lost(int ticks, const Axes& may_have_read) CARGOBAY_NONBLOCKING 
     estimator_.step_lost(command_, may_have_read);
     watch_.step(command_, estimator_.plant());
   }
+  // What was gone meanwhile is hardly known: no curve is to be kept by it.
+  constexpr int kSilence = 20;
+  if (ticks > kSilence && !parameters_.course.hold_heading) course_.forget();
 }
 
 void WheelLoop::frame(const WheelEstimator::Reading& reading) CARGOBAY_NONBLOCKING {
@@ -116,6 +119,12 @@ double WheelLoop::reachable_part(const WheelSpeeds& set, const WheelSpeeds& targ
   return part;
 }
 
+Course::Known WheelLoop::known() const CARGOBAY_NONBLOCKING {
+  constexpr double kKnown = 0.01;
+  const PlantEstimate& plant = estimator_.plant();
+  return {.carried = estimator_.carried(), .gains = plant.gain_sd < kKnown * plant.gain_left};
+}
+
 WheelSpeeds WheelLoop::control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
   const double tick_s = parameters_.estimator.tick_s;
   const WheelSpeeds set = slew_.step(target, tick_s);
@@ -126,8 +135,7 @@ WheelSpeeds WheelLoop::control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
   const SlewLimiter later =
       slew_.ahead(target, estimator_.plant().dead_time_s + kActsLaterTicks * tick_s, tick_s);
   const WheelSpeeds now = estimate();
-  const WheelSpeeds kept =
-      course_.step(target, given_, now, estimator_.ways(), estimator_.carried(), tick_s);
+  const WheelSpeeds kept = course_.step(target, given_, now, estimator_.ways(), known(), tick_s);
   const WheelSpeeds disturbance = estimator_.disturbances();
   const PlantEstimate& plant = estimator_.plant();
   VelocityController::Wheel left{.gain = plant.gain_left,
@@ -144,7 +152,8 @@ WheelSpeeds WheelLoop::control(const WheelSpeeds& target) CARGOBAY_NONBLOCKING {
   const bool open = parameters_.feedback == Feedback::open;
   const auto wish = [&](double WheelSpeeds::* wheel) CARGOBAY_NONBLOCKING {
     const double off_mm_s = open ? 0.0 : kept.*wheel - given_.*wheel;
-    return VelocityController::Wish{.set_mm_s = given_.*wheel + off_mm_s,
+    return VelocityController::Wish{.asked_mm_s = given_.*wheel,
+                                    .set_mm_s = given_.*wheel + off_mm_s,
                                     .ahead_mm_s = part_ * later.speeds().*wheel + off_mm_s,
                                     .rate_mm_s2 = part_ * later.rates().*wheel,
                                     .target_mm_s = target.*wheel};

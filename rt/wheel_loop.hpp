@@ -86,6 +86,7 @@ class WheelLoop {
  private:
   double answer(const VelocityController::Wish& wish, const VelocityController::Wheel& wheel) const
       CARGOBAY_NONBLOCKING;
+  Course::Known known() const CARGOBAY_NONBLOCKING;
   double proportional() const CARGOBAY_NONBLOCKING;
   bool suspicious() const CARGOBAY_NONBLOCKING;
   bool suspects() const CARGOBAY_NONBLOCKING;

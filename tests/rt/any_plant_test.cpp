@@ -166,7 +166,7 @@ TEST_P(AnyPlant, IsRightInTheEnd) {
 // A quarter more of friction, at once, on our own robot.
 TEST_P(AnyPlant, ComesBackAfterALoadStep) {
   std::vector<double> back_s;
-  for (unsigned seed = 1; seed <= 100; ++seed) {
+  for (unsigned seed = 1; seed <= 300; ++seed) {
     ClosedLoop closed{{.remainder = GetParam(), .seed = seed, .noise_mm_s = 0.5}};
     closed.drive_about(seed, 6.0);
     closed.run({180, 180}, 200 + static_cast<int>(seed % 40));
@@ -182,7 +182,7 @@ TEST_P(AnyPlant, ComesBackAfterALoadStep) {
     back_s.push_back(back);
   }
   tell("back after a load step, s", back_s);
-  EXPECT_LE(quantile(back_s, 0.95), carried() ? 0.8 : 1.5);
+  EXPECT_LE(quantile(back_s, 0.95), carried() ? 0.84 : 1.5);
 }
 
 TEST_P(AnyPlant, NeverRunsAwayFromCountersThatStayZero) {

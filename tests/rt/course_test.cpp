@@ -30,7 +30,8 @@ class Wheels {
 
  private:
   WheelSpeeds step(const WheelSpeeds& target) {
-    return course_.step(target, target, now_, {.if_carried = way_, .if_lost = way_}, 0.3, kTick);
+    return course_.step(target, target, now_, {.if_carried = way_, .if_lost = way_},
+                        {.carried = 0.3, .gains = true}, kTick);
   }
 
   Course course_;
@@ -60,10 +61,57 @@ TEST(Course, TakesBackTheTurnOfTheStartAndWhatItWentAsideForIt) {
   EXPECT_NEAR(wheels.aside_mm(), 0.0, 3.0) << "without it, 230 mm";
 }
 
+// Wheels 5 mm/s apart are back sooner than their error by itself would have them.
+TEST(Course, HurriesIfMuchIsToBeTakenBack) {
+  Wheels wheels;
+  wheels.run({200, 200}, 2 * kPushed, kPush);
+  EXPECT_GT(wheels.kept().left_mm_s, 203.0);
+  wheels.run({200, 200}, 67 * 4);
+  EXPECT_LT(wheels.turn(), 0.025) << "0.045 by a share of the speed alone";
+}
+
+WheelSpeeds kept_with(const Course::Known& known, const WheelSpeeds& now) {
+  Course course{{}};
+  const WheelSpeeds asked{200, 200};
+  (void)course.step(asked, asked, {}, {}, known, kTick);
+  const WheelSpeeds ways{-6.0, 6.0};
+  return course.step(asked, asked, now, {.if_carried = ways, .if_lost = ways}, known, kTick);
+}
+
+// As after a load step: a wheel that is far from its set speed is to come there first.
+TEST(Course, DoesNotHurryWhileTheWheelsAreNotSettled) {
+  const Course::Known known{.carried = 1.0, .gains = true};
+  const double settled = kept_with(known, {200, 200}).left_mm_s - 200.0;
+  EXPECT_GT(settled, 3.0);
+  EXPECT_LT(kept_with(known, {200, 150}).left_mm_s - 200.0, settled / 2.0);
+  EXPECT_LT(kept_with(known, {208, 200}).left_mm_s - 200.0, settled / 2.0);
+  EXPECT_LT(kept_with({.carried = 1.0}, {200, 200}).left_mm_s - 200.0, settled / 2.0)
+      << "the gains are not known";
+}
+
+// What was foreseen since the reading before was wrong, and so is where the robot is.
+TEST(Course, TakesBackWhatItWentAsideBeforeAReading) {
+  const auto back = [](double corrected_mm) {
+    Course course{{.hold_heading = true}};
+    const WheelSpeeds asked{200, 200};
+    constexpr Course::Known kLoses{.carried = 0.0, .gains = true};
+    WheelSpeeds way{};
+    const auto go = [&](double more_mm) {
+      way = {way.left_mm_s + 3.0, way.right_mm_s + 3.0 + more_mm};
+      return course.step(asked, asked, asked, {.if_lost = way, .corrected_mm = more_mm}, kLoses,
+                         kTick);
+    };
+    for (int i = 0; i < 300; ++i) (void)go(0.0);
+    return go(corrected_mm).left_mm_s - 200.0;
+  };
+  EXPECT_EQ(back(0.0), 0.0);
+  EXPECT_NEAR(back(2.0), 1.45, 0.05) << "1.0 for the turn, 0.45 for 900 mm on which it came about";
+}
+
 TEST(Course, DoesThatWithinWhatIsCalledSettled) {
   Wheels wheels;
   wheels.run({200, 200}, 2 * kPushed, {-40.0, 40.0});
-  EXPECT_NEAR(wheels.kept().right_mm_s, 200.0, 0.015 * 200.0);
+  EXPECT_NEAR(wheels.kept().right_mm_s, 200.0, 0.04 * 200.0);
   EXPECT_NE(wheels.kept().right_mm_s, 200.0);
   EXPECT_NEAR(wheels.kept().left_mm_s + wheels.kept().right_mm_s, 400.0, 1e-9);
 }

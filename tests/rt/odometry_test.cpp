@@ -48,6 +48,19 @@ TEST(Odometry, ScalesWhatTheRobotReports) {
   EXPECT_NEAR(odometry.pose().heading_rad, 0.5, 1e-9);
 }
 
+// The reading after a metre says that the robot has turned: it has done so all along.
+TEST(Odometry, BendsTheWayForATurnThatAReadingFinds) {
+  Odometry odometry{{}};
+  odometry.reset({.x_mm = 100.0});
+  odometry.step({.distance_mm = 500.0, .turn_rad = 0.02, .turn_corrected_rad = 0.02});
+  const OdometryPose before = odometry.pose();
+  for (int i = 0; i < 1000; ++i) odometry.step({.distance_mm = 1.0});
+  odometry.step({.turn_rad = 0.04, .turn_corrected_rad = 0.04});
+  EXPECT_NEAR(odometry.pose().heading_rad, 0.06, 1e-9);
+  EXPECT_NEAR(odometry.pose().x_mm - before.x_mm, 1000.0, 1.5);
+  EXPECT_NEAR(odometry.pose().y_mm - before.y_mm, 1000.0 * (0.02 + 0.04 / 2.0), 0.5);
+}
+
 // Slowly along the way, faster and faster across it: the heading error acts over the whole way.
 TEST(Odometry, GrowsLessSure) {
   Odometry odometry{{.slip_mm2_per_mm = 0.001, .wheel_error = 0.0, .base_error = 0.0}};

@@ -17,11 +17,15 @@ const VelocityController kController{VelocityController::Parameters{}};
 double command(const Wish& wish, const Wheel& wheel) { return kController.command(wish, wheel); }
 // At a constant set speed.
 Wish steadily(double set_mm_s) {
-  return {.set_mm_s = set_mm_s, .ahead_mm_s = set_mm_s, .target_mm_s = set_mm_s};
+  return {.asked_mm_s = set_mm_s,
+          .set_mm_s = set_mm_s,
+          .ahead_mm_s = set_mm_s,
+          .target_mm_s = set_mm_s};
 }
 // On the way to a target.
 Wish under_way(double set_mm_s, double rate_mm_s2, double target_mm_s) {
-  return {.set_mm_s = set_mm_s,
+  return {.asked_mm_s = set_mm_s,
+          .set_mm_s = set_mm_s,
           .ahead_mm_s = set_mm_s,
           .rate_mm_s2 = rate_mm_s2,
           .target_mm_s = target_mm_s};
@@ -40,7 +44,8 @@ TEST(VelocityController, LeadsByTheLagWhileTheSetSpeedChanges) {
 
 // The error is that of now; the drive is for when the command acts.
 TEST(VelocityController, SendsWhatIsWantedWhenItActs) {
-  const Wish wish{.set_mm_s = 200.0, .ahead_mm_s = 250.0, .target_mm_s = 400.0};
+  const Wish wish{
+      .asked_mm_s = 200.0, .set_mm_s = 200.0, .ahead_mm_s = 250.0, .target_mm_s = 400.0};
   EXPECT_DOUBLE_EQ(command(wish, {.proportional = 0.5, .speed_mm_s = 200.0}), 250.0);
   EXPECT_DOUBLE_EQ(command(wish, {.proportional = 0.5, .speed_mm_s = 180.0}), 260.0);
 }
@@ -103,6 +108,14 @@ TEST(VelocityController, NeverCommandsAgainstTheWayThatTheWheelRolls) {
     EXPECT_EQ(command(steadily(sign * -200.0), slow), sign * -200.0)
         << "too slow to know the direction";
   }
+}
+
+// The course may ask for a little more than was set, but not beyond that bound.
+TEST(VelocityController, IsBoundByWhatWasAskedFor) {
+  const Wheel weak{.gain = 0.05};
+  const Wish taken_back{
+      .asked_mm_s = 100.0, .set_mm_s = 108.0, .ahead_mm_s = 108.0, .target_mm_s = 100.0};
+  EXPECT_EQ(command(taken_back, weak), VelocityController::most_mm_s(100.0));
 }
 
 // Whatever it is told of the wheel.
