@@ -16,6 +16,8 @@ class OdometryRows {
   void see(const PlantValues& plant, std::uint64_t seed);
   // Whether what docs/control.md promises holds; says what does not.
   bool hold();
+  // How far aside 5 m with heading hold end.
+  Figures& held_aside_mm() { return held_.aside_mm; }
 
  private:
   friend void print_odometry(OdometryRows& carried, OdometryRows& lost);
@@ -37,7 +39,9 @@ class OdometryRows {
   };
   Course alone_{};
   Course held_{};
+  // Of an arc from standing, and of its last ten seconds.
   Figures curvature_{};
+  Figures late_curvature_{};
 };
 
 // Lines of the table.

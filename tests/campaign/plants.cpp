@@ -1,10 +1,13 @@
 // The velocity loop on random plants, in virtual time: prints a table. Exit status 1 if something
 // that docs/control.md promises does not hold.
 // usage: plants [N [SEED]]   N plants of each kind of remainder (1000); seeds from SEED (1) on
+// Where PLANT_SHARES names a file, it gets the distributions that plants.py draws.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <future>
 #include <numbers>
 #include <random>
 #include <span>
@@ -211,6 +214,31 @@ void print(Rows& carried, Rows& lost, std::uint64_t count) {
   print_odometry(carried.odometry, lost.odometry);
 }
 
+// How many plants; for each row that is drawn and each kind, the figures at 0 to 100 %, in steps of
+// half a percent.
+bool save(const char* path, Rows& carried, Rows& lost, std::uint64_t count) {
+  std::FILE* file = std::fopen(path, "w");
+  if (file == nullptr) return false;
+  std::fprintf(file, "plants both %ju\n", static_cast<std::uintmax_t>(count));
+  const auto line = [file](const char* row, const char* kind, Figures& figures) {
+    constexpr int kParts = 200;
+    std::fprintf(file, "%s %s", row, kind);
+    for (int i = 0; i <= kParts; ++i)
+      std::fprintf(file, " %.4f", figures.at(static_cast<double>(i) / kParts));
+    std::fprintf(file, "\n");
+  };
+  const auto both = [&](const char* row, Figures Rows::* member) {
+    line(row, "carried", carried.*member);
+    line(row, "lost", lost.*member);
+  };
+  both("overshoot", &Rows::overshoot);
+  both("settled", &Rows::settled);
+  both("tracking", &Rows::tracking);
+  line("held", "carried", carried.odometry.held_aside_mm());
+  line("held", "lost", lost.odometry.held_aside_mm());
+  return std::fclose(file) == 0;
+}
+
 // What is promised at p95, and of the ellipses.
 bool holds(Rows& rows, double steady_mm_s) {
   bool all = true;
@@ -236,9 +264,17 @@ int main(int argc, char** argv) {
   using cargobay::rt::Remainder;
   const auto draws = campaign::draws_of(argc, argv, "plants", 1000);
   if (!draws) return 2;
-  campaign::Rows carried = campaign::survey(Remainder::carried, draws->first, draws->count);
+  auto other = std::async(std::launch::async, [&draws] {
+    return campaign::survey(Remainder::carried, draws->first, draws->count);
+  });
   campaign::Rows lost = campaign::survey(Remainder::lost, draws->first, draws->count);
+  campaign::Rows carried = other.get();
   campaign::print(carried, lost, draws->count);
+  const char* shares = std::getenv("PLANT_SHARES");
+  if (shares != nullptr && !campaign::save(shares, carried, lost, draws->count)) {
+    std::perror(shares);
+    return 2;
+  }
   const bool carried_holds = campaign::holds(carried, 2.5);
   const bool lost_holds = campaign::holds(lost, 5.0);
   return carried_holds && lost_holds ? 0 : 1;
