@@ -176,9 +176,10 @@ void WheelEstimator::step(const WheelSpeeds& command, const Reading& reading) CA
   const bool believed = plausible(reading);
   const bool unsure =
       (reading.distance_mm && distance_.unsure) || (reading.angle_deg && turn_.unsure);
-  seen_ = {.how = unsure     ? Seen::How::unsure
-                  : believed ? Seen::How::believed
-                             : Seen::How::impossible,
+  seen_ = {.how = unsure          ? Seen::How::unsure
+                  : !believed     ? Seen::How::impossible
+                  : wild(reading) ? Seen::How::wild
+                                  : Seen::How::believed,
            .distance_ticks = distance_.ticks,
            .turn_ticks = turn_.ticks,
            .strange =

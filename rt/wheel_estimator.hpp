@@ -69,6 +69,7 @@ class WheelEstimator {
       believed,
       unsure,      // it may cover another time than it seems to
       impossible,  // no robot can have gone so far
+      wild,        // a way far beyond all that was foreseen, or far back, for the first time
     };
     How how = How::none;
     int distance_ticks = 0;  // since its last reading
@@ -185,6 +186,7 @@ class WheelEstimator {
   };
   Miss miss(Axis axis, double count) const CARGOBAY_NONBLOCKING;
   bool surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING;
+  bool wild(const Reading& reading) const CARGOBAY_NONBLOCKING;
   bool strange(Axis axis, int count) const CARGOBAY_NONBLOCKING;
   void read_unseen(Axis axis) CARGOBAY_NONBLOCKING;
   void weigh(double by_counts, double by_filters) CARGOBAY_NONBLOCKING;

@@ -30,6 +30,16 @@ bool WheelEstimator::surprising(Axis axis, int count) const CARGOBAY_NONBLOCKING
   return off.mm > 8.0 * off.sd_mm + 0.5 * off.foreseen_mm + 3.0 * off.step_mm;
 }
 
+// Whether a surprising way is more than was foreseen, or back. Less may be a wheel that stands, and
+// an angle a counter that does: of these the watch must hear at once.
+bool WheelEstimator::wild(const Reading& reading) const CARGOBAY_NONBLOCKING {
+  if (!reading.distance_mm || distance_.surprised) return false;
+  const int count = *reading.distance_mm;
+  const double foreseen_mm = (log_odds_ > 0.0 ? carried_ : lost_).distance.unread_mm();
+  return surprising(Axis::distance, count) &&
+         (count * foreseen_mm < 0.0 || std::abs(count) > std::abs(foreseen_mm));
+}
+
 // Whether it is less than that far, but as far as a wheel makes it that stands or counts half. A
 // robot that carries the remainder is read every tick anyway, so nobody needs to know.
 bool WheelEstimator::strange(Axis axis, int count) const CARGOBAY_NONBLOCKING {

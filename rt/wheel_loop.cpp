@@ -45,6 +45,7 @@ void WheelLoop::frame(const WheelEstimator::Reading& reading) CARGOBAY_NONBLOCKI
   switch (seen.how) {
     case How::none:
     case How::past: return;
+    case How::wild:
     case How::unsure: return watch_.read_unseen(reading.axes());
     case How::impossible: return watch_.read_impossible(reading.axes());
     case How::believed: break;

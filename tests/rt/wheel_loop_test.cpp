@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,9 +22,13 @@ class ClosedLoop {
   explicit ClosedLoop(const PlantParameters& plant, const WheelLoop::Parameters& parameters = {})
       : plant_{plant}, loop_{parameters} {}
 
-  void tick(const WheelSpeeds& target) {
+  // `off_mm`: by which the next distance that is read is wrong.
+  void tick(const WheelSpeeds& target, int off_mm = 0) {
+    off_mm_ += off_mm;
     plant_.tick(command_);
-    loop_.frame(plant_.read(reads_));
+    WheelEstimator::Reading reading = plant_.read(reads_);
+    if (reading.distance_mm) *reading.distance_mm += std::exchange(off_mm_, 0);
+    loop_.frame(reading);
     command_ = loop_.control(target);
     reads_ = loop_.next_reads();
   }
@@ -50,6 +55,7 @@ class ClosedLoop {
   WheelLoop loop_;
   WheelSpeeds command_{};
   Axes reads_ = kBothAxes;
+  int off_mm_ = 0;
 };
 
 TEST(WheelLoop, TakesTheDroopAwayOnBothKindsOfRobot) {
@@ -63,6 +69,16 @@ TEST(WheelLoop, TakesTheDroopAwayOnBothKindsOfRobot) {
       EXPECT_NEAR(mean.left_mm_s, target.left_mm_s, most);
       EXPECT_NEAR(mean.right_mm_s, target.right_mm_s, most);
     }
+  }
+}
+
+// One that a robot could just have driven, if it had turned around at once.
+TEST(WheelLoop, EndsNoDriveForASingleWildReading) {
+  for (const Remainder remainder : {Remainder::carried, Remainder::lost}) {
+    ClosedLoop closed{{.remainder = remainder}};
+    closed.run({45, 45}, 300);
+    for (int i = 0; i < 100; ++i) closed.tick({45, 45}, i == 0 ? -44 : 0);
+    EXPECT_EQ(closed.loop().evidence().what, WheelWatch::Finding::nothing);
   }
 }
 
