@@ -117,7 +117,9 @@ int serve(const ServeOptions& options) {
   std::optional<int> signal;
   robot.cancelled = [&] {  // asked wherever the service waits
     manager.alive(rt::Clock::now());
-    if (!signal && (signal = signals.wait(rt::Duration::zero()))) manager.stopping();
+    if (signal) return true;
+    signal = signals.wait(rt::Duration::zero());
+    if (signal) manager.stopping();
     return signal.has_value();
   };
   const auto tell = [&](const std::string& what) {

@@ -270,7 +270,8 @@ int main(int argc, char** argv) {
   campaign::Rows lost = campaign::survey(Remainder::lost, draws->first, draws->count);
   campaign::Rows carried = other.get();
   campaign::print(carried, lost, draws->count);
-  const char* shares = std::getenv("PLANT_SHARES");
+  const char* shares =
+      std::getenv("PLANT_SHARES");  // NOLINT(concurrency-mt-unsafe): nobody sets it
   if (shares != nullptr && !campaign::save(shares, carried, lost, draws->count)) {
     std::perror(shares);
     return 2;

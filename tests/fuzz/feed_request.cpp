@@ -58,8 +58,8 @@ hal::FeedSteering steering(const bool& holder_asks) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   bool holder_asks = false;
   hal::FeedDesk desk{steering(holder_asks), 258.0};
-  hal::FeedConnection clients[2] = {hal::FeedConnection{hal::Descriptor{}, 1},
-                                    hal::FeedConnection{hal::Descriptor{}, 2}};
+  hal::FeedConnection clients[2] = {hal::FeedConnection{hal::Descriptor{}, 1, {}},
+                                    hal::FeedConnection{hal::Descriptor{}, 2, {}}};
   rt::TimePoint now{};
   std::string_view rest{reinterpret_cast<const char*>(data), size};
   while (!rest.empty()) {

@@ -74,7 +74,7 @@ TEST_F(DriveReconnectTest, RecordsAllLinksInOneMcap) {
   EXPECT_FALSE(std::filesystem::exists(file + ".2"));
   const std::string bytes = contents(file);
   EXPECT_THAT(bytes, testing::EndsWith("MCAP0\r\n"));
-  EXPECT_GT(lines(bytes, R"("covariance":{"xx")"), 100U) << "2 s of both links together";
+  EXPECT_GT(lines(bytes, R"("covariance":{"xx_mm2")"), 100U) << "2 s of both links together";
   EXPECT_GT(lines(bytes, R"("tick":120,)"), 0U) << "they are counted on";
 }
 

@@ -141,7 +141,8 @@ TEST_F(ExportTest, RecordsMcapWhileItDrives) {
   // The whole state of every tick, as the loop had it.
   const std::size_t states = [&] {
     std::size_t count = 0;
-    for (std::size_t at = 0; (at = file.find(R"("covariance":{"xx")", at)) != std::string::npos;)
+    for (std::size_t at = 0;
+         (at = file.find(R"("covariance":{"xx_mm2")", at)) != std::string::npos;)
       ++at, ++count;
     return count;
   }();

@@ -19,8 +19,8 @@ using testing::HasSubstr;
 
 class TokenFileTest : public testing::Test {
  protected:
-  TokenFileTest() { std::filesystem::create_directory(folder_); }
-  ~TokenFileTest() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { std::filesystem::create_directory(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void write(const std::string& text, mode_t mode) const {
     std::ofstream{path_} << text;

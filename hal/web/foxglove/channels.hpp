@@ -26,7 +26,7 @@ constexpr ChannelId own_channel(hal::FeedType type) {
 }
 
 struct Channel {
-  ChannelId id{};
+  ChannelId id = ChannelId::pose;
   std::string topic{};
   hal::FeedType feed_type{};  // what it is made of; one more if it needs it
   std::optional<hal::FeedType> also{};

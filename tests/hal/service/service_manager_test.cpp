@@ -25,9 +25,13 @@ using testing::IsEmpty;
 // Listens as systemd does, at an abstract address or, in `folder`, at a path.
 class ServiceManagerTest : public testing::Test {
  protected:
-  ~ServiceManagerTest() override {
-    for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) unsetenv(name);
+  void TearDown() override {
+    for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"})
+      unsetenv(name);  // NOLINT(concurrency-mt-unsafe): one thread
     if (!path_.empty()) unlink(path_.c_str());
+  }
+  static void set(const char* name, const std::string& value) {
+    setenv(name, value.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
   }
 
   void listen(const std::string& address) {
@@ -39,7 +43,7 @@ class ServiceManagerTest : public testing::Test {
     ASSERT_EQ(bind(socket_.number(), reinterpret_cast<const sockaddr*>(&at),
                    static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address.size())),
               0);
-    setenv("NOTIFY_SOCKET", address.c_str(), 1);
+    set("NOTIFY_SOCKET", address);
   }
   void listen() { listen("@cargobay-test-" + std::to_string(getpid())); }
 
@@ -75,8 +79,8 @@ TEST_F(ServiceManagerTest, MayListenAtAPath) {
 
 TEST_F(ServiceManagerTest, HearsASignOfLifeTwiceInEachInterval) {
   listen();
-  setenv("WATCHDOG_USEC", "2000000", 1);
-  setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
+  set("WATCHDOG_USEC", "2000000");
+  set("WATCHDOG_PID", std::to_string(getpid()));
   ServiceManager manager;
   const rt::TimePoint begin{};
   for (int ms = 0; ms < 3000; ms += 50) manager.alive(begin + milliseconds{ms});
@@ -85,8 +89,8 @@ TEST_F(ServiceManagerTest, HearsASignOfLifeTwiceInEachInterval) {
 
 TEST_F(ServiceManagerTest, HearsNoSignOfLifeThatIsMeantForAnotherProcess) {
   listen();
-  setenv("WATCHDOG_USEC", "2000000", 1);
-  setenv("WATCHDOG_PID", "1", 1);
+  set("WATCHDOG_USEC", "2000000");
+  set("WATCHDOG_PID", "1");
   ServiceManager{}.alive(rt::TimePoint{});
   EXPECT_THAT(heard(), IsEmpty());
 }
@@ -94,7 +98,7 @@ TEST_F(ServiceManagerTest, HearsNoSignOfLifeThatIsMeantForAnotherProcess) {
 TEST_F(ServiceManagerTest, HearsNoSignOfLifeIfItAskedForNone) {
   listen();
   for (const char* interval : {"", "0", "-1", "soon", "1s"}) {
-    setenv("WATCHDOG_USEC", interval, 1);
+    set("WATCHDOG_USEC", interval);
     ServiceManager{}.alive(rt::TimePoint{});
     EXPECT_THAT(heard(), IsEmpty()) << interval;
   }
@@ -104,7 +108,7 @@ TEST_F(ServiceManagerTest, IsNotMissed) {
   const std::string too_long = "/" + std::string(sizeof(sockaddr_un::sun_path), 'x');
   for (const std::string& address : {std::string{}, std::string{"@"}, std::string{"relative"},
                                      std::string{"/nobody/listens"}, too_long}) {
-    setenv("NOTIFY_SOCKET", address.c_str(), 1);
+    set("NOTIFY_SOCKET", address);
     ServiceManager manager;
     manager.ready();
     manager.status("nobody listens");
