@@ -24,15 +24,22 @@ std::int64_t unix_ns_of(rt::TimePoint time) {
   return std::chrono::nanoseconds{then.time_since_epoch()}.count();
 }
 
-void tell_sensors(Robot& robot, const CycleState& state, const FeedOutlet& to) {
-  const SensorReadings readings = robot.cycle().sensors();
-  SensorRecord record{.stamp = {.unix_ns = unix_ns_of(state.arrival)},
-                      .distance_sum_mm = readings.distance_sum_mm,
-                      .angle_sum_deg = readings.angle_sum_deg};
+// The newest of each packet.
+oi::SensorValues values_of(const SensorReadings& readings) {
+  oi::SensorValues values;
   for (std::size_t id = 0; id < SensorReadings::kSlots; ++id) {
     if (readings.tick[id] != SensorReadings::kNever)
-      record.values.set(static_cast<oi::PacketId>(id), readings.value[id]);
+      values.set(static_cast<oi::PacketId>(id), readings.value[id]);
   }
+  return values;
+}
+
+void tell_sensors(Robot& robot, const CycleState& state, const FeedOutlet& to) {
+  const SensorReadings readings = robot.cycle().sensors();
+  const SensorRecord record{.stamp = {.unix_ns = unix_ns_of(state.arrival)},
+                            .values = values_of(readings),
+                            .distance_sum_mm = readings.distance_sum_mm,
+                            .angle_sum_deg = readings.angle_sum_deg};
   JsonObject message = to.begin(FeedType::sensors);
   // It may be that of a frame whose state is not there yet.
   put_sensors(message, record, std::ranges::max(readings.tick));
@@ -108,7 +115,9 @@ void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) co
   if (of_.tap == nullptr) return;
   while (const auto entry = of_.tap->states().next(told.state)) {
     go_on_to(told.state, entry->number, FeedType::state, to);
-    const CycleState& state = entry->value;
+    CycleState state = entry->value;
+    // Its frame may lack the packets of a hazard that is still there.
+    if (robot != nullptr) state.hazards = hazards_in(values_of(robot->cycle().sensors()));
     JsonObject message = to.begin(FeedType::state);
     put_state(message, {.stamp = {.unix_ns = unix_ns_of(state.arrival)},
                         .state = state,
