@@ -290,7 +290,7 @@ class Everybody(PageTest):
                     browser.steer()
                     self.control("cliff left on")
                     until(lambda: "cliff left" in browser.text("hazards"), "a hazard")
-                    # The frames are read in turns, and a part of them tells of cliffs.
+                    # The frames are read in turns, and one in four has the cliffs.
                     self.assertTrue(all("cliff left" in browser.text("hazards")
                                         for _ in range(20)))
                     self.assertEqual(self.violations(browser), [])
