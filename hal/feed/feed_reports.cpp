@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -34,8 +35,7 @@ oi::SensorValues values_of(const SensorReadings& readings) {
   return values;
 }
 
-void tell_sensors(Robot& robot, const CycleState& state, const FeedOutlet& to) {
-  const SensorReadings readings = robot.cycle().sensors();
+void tell_sensors(const SensorReadings& readings, const CycleState& state, const FeedOutlet& to) {
   const SensorRecord record{.stamp = {.unix_ns = unix_ns_of(state.arrival)},
                             .values = values_of(readings),
                             .distance_sum_mm = readings.distance_sum_mm,
@@ -117,7 +117,9 @@ void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) co
     go_on_to(told.state, entry->number, FeedType::state, to);
     CycleState state = entry->value;
     // Its frame may lack the packets of a hazard that is still there.
-    if (robot != nullptr) state.hazards = hazards_in(values_of(robot->cycle().sensors()));
+    std::optional<SensorReadings> readings;
+    if (robot != nullptr) readings = robot->cycle().sensors();
+    if (readings) state.hazards = hazards_in(values_of(*readings));
     JsonObject message = to.begin(FeedType::state);
     put_state(message, {.stamp = {.unix_ns = unix_ns_of(state.arrival)},
                         .state = state,
@@ -125,7 +127,7 @@ void FeedReports::tell_states(Robot* robot, Told& told, const FeedOutlet& to) co
     to.tell(FeedType::state, std::move(message));
     // The board has only the newest.
     const bool newest = entry->number == of_.tap->states().last();
-    if (robot != nullptr && newest) tell_sensors(*robot, state, to);
+    if (readings && newest) tell_sensors(*readings, state, to);
   }
 }
 

@@ -21,7 +21,10 @@ hal::Failure failed(const std::string& path, const std::string& why) {
   return {.message = "--token-file " + path + ": " + why};
 }
 
-std::string words_of(int error) { return std::generic_category().message(error); }
+std::string words_of(int error) {
+  return std::generic_category().message(error) +
+         "; name a file that this user owns, in a folder that it may write to";
+}
 
 // Nothing that it makes is for others.
 class OnlyMine {
@@ -37,7 +40,8 @@ class OnlyMine {
 
 hal::Result<std::string> make(const std::string& path) {
   const auto token = make_token();
-  if (!token) return failed(path, "the kernel gives no random numbers for a token");
+  if (!token)
+    return failed(path, "the kernel gives no random numbers for a token; put one into the file");
   const OnlyMine mine;
   auto file = hal::OutputFile::open(path);
   if (!file) return failed(path, file.failure().message);
@@ -59,7 +63,8 @@ hal::Result<std::string> token_in(const std::string& path) {
   const hal::Descriptor file{opened};
   struct stat status{};
   if (fstat(file.number(), &status) != 0) return failed(path, words_of(errno));
-  if (!S_ISREG(status.st_mode)) return failed(path, "not a file");
+  if (!S_ISREG(status.st_mode))
+    return failed(path, "not a file; name one, or a path where one can be made");
   if ((status.st_mode & S_IRWXO) != 0)
     return failed(path, "every user of this machine can use it: chmod o= " + path);
   std::array<char, kMostTokenLength + 2> text{};

@@ -1,4 +1,4 @@
-// What is told of a robot, and what of it was gone before it could be told.
+// What is told of a robot, and what was gone before it could be told.
 #include "hal/feed/feed_reports.hpp"
 
 #include <cstdint>
