@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <ctime>
+#include <functional>
 #include <utility>
 
 #include "hal/feed/feed_place.hpp"
@@ -31,13 +32,21 @@ constexpr timespec kPauseIfRefused{.tv_sec = 0, .tv_nsec = 15'000'000};
 // Who may connect: the owner; in the folder of a service also its group.
 constexpr mode_t kSocketRights = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
 
-Result<UnixListener> listen_in(const std::string& folder, const std::string& name) {
-  const std::string path = folder + "/" + name;
+Result<UnixListener> listen_at(const std::string& path) {
   auto listener = UnixListener::open(path, kSocketRights);
   const bool gone = !listener && listener.failure().code == std::errc::no_such_file_or_directory;
   // The last feed in the folder may just have ended, and removed it.
   if (gone && feed_folder()) return UnixListener::open(path, kSocketRights);
   return listener;
+}
+
+Result<UnixListener> listen_in(const std::string& folder, const FeedOptions& options) {
+  const std::string name = options.name.empty() ? feed_name(options.of.port) : options.name;
+  auto listener = listen_at(folder + "/" + name);
+  const bool too_long = !listener && listener.failure().code == std::errc::filename_too_long;
+  if (!too_long || !options.name.empty()) return listener;
+  // Readers find it by the port that it tells.
+  return listen_at(folder + "/port-" + std::to_string(std::hash<std::string>{}(name)));
 }
 
 }  // namespace
@@ -52,9 +61,9 @@ Result<std::unique_ptr<Feed>> Feed::open(FeedOptions options) {
                               remedy_for(code.value(), "free some memory"),
                    .code = code};
   }
-  const std::string name = options.name.empty() ? feed_name(options.of.port) : options.name;
+  options.of.port = lasting_name(options.of.port);
   PortDescriptor wake = PortDescriptor::adopt(made);
-  auto listener = listen_in(*folder, name);
+  auto listener = listen_in(*folder, options);
   if (!listener) return listener.failure();
   options.of.lease = FeedDesk::kLease;
   options.of.steerable = static_cast<bool>(options.steering.drive);

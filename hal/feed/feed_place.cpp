@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -79,9 +80,19 @@ std::vector<std::string> names_in(const std::string& folder) {
 
 }  // namespace
 
+std::string lasting_name(const std::string& port) {
+  std::error_code error;
+  const bool is_path = port.find('/') != std::string::npos || std::filesystem::exists(port, error);
+  if (!is_path) return port;
+  // Of a descriptor's path only this process knows the file.
+  const bool of_this_process = port.starts_with("/proc/");
+  const std::filesystem::path path = of_this_process ? std::filesystem::canonical(port, error)
+                                                     : std::filesystem::absolute(port, error);
+  return error ? port : path.lexically_normal().string();
+}
+
 std::string feed_name(const std::string& port) {
-  const std::unique_ptr<char, void (*)(void*)> resolved{realpath(port.c_str(), nullptr), std::free};
-  std::string name = resolved ? resolved.get() : port;
+  std::string name = lasting_name(port);
   if (name.starts_with('/')) name.erase(0, 1);
   std::ranges::replace(name, '/', '-');
   return name;

@@ -8,7 +8,11 @@
 
 namespace cargobay::hal {
 
-// The socket's name: the port's path, its links resolved, without the first slash, others as `-`.
+// The port's path from the root on. Its links stay: where they lead changes when an adapter is
+// plugged in again. What is not a path keeps its name. Blocks for the file system.
+std::string lasting_name(const std::string& port);
+
+// The socket's name: that of the port without the first slash, others as `-`.
 std::string feed_name(const std::string& port);
 
 // The folder for feeds of this process, made if need be. A failure says which folder could not be

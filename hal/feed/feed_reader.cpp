@@ -8,15 +8,20 @@
 #include <array>
 #include <cerrno>
 #include <ctime>
+#include <filesystem>
 #include <system_error>
+#include <variant>
 #include <vector>
 
 #include "hal/feed/feed_place.hpp"
+#include "hal/feed/message/reading.hpp"
 #include "hal/file/unix_listener.hpp"
 
 namespace cargobay::hal {
 
 namespace {
+
+constexpr rt::Duration kTimeToGreet = std::chrono::seconds{1};
 
 Failure no_such_feed(const std::string& what, const std::vector<FoundFeed>& feeds) {
   std::string there;
@@ -27,18 +32,11 @@ Failure no_such_feed(const std::string& what, const std::vector<FoundFeed>& feed
           .code = std::make_error_code(std::errc::no_such_device)};
 }
 
-// The socket of the feed that is meant.
-Result<std::string> find_socket(const std::string& port) {
-  struct stat status{};
-  if (!port.empty() && stat(port.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) return port;
-  const std::vector<FoundFeed> feeds = find_feeds();
-  if (port.empty()) {
-    if (feeds.size() == 1) return feeds.front().socket;
-    return no_such_feed(feeds.empty() ? "no feed" : "name one of the feeds by its port", feeds);
-  }
-  const auto found = std::ranges::find(feeds, feed_name(port), &FoundFeed::name);
-  if (found == feeds.end()) return no_such_feed("no feed of " + port, feeds);
-  return found->socket;
+// Not by std::filesystem::equivalent(), which compares no devices.
+bool lead_to_one_file(const std::string& one, const std::string& other) {
+  std::error_code error;
+  const auto real = std::filesystem::canonical(one, error);
+  return !error && real == std::filesystem::canonical(other, error) && !error;
 }
 
 // Whether the descriptor is ready by then.
@@ -56,23 +54,49 @@ bool wait_for(int descriptor, short events, rt::TimePoint deadline) {
 
 }  // namespace
 
-Result<FeedReader> FeedReader::attach(const std::string& port) {
-  const auto path = find_socket(port);
-  if (!path) return path.failure();
-  Descriptor socket = connect_to(*path);
+Result<FeedReader> FeedReader::attach_to(const std::string& socket_path) {
+  Descriptor socket = connect_to(socket_path);
   if (socket.number() < 0) {
     const std::error_code code{errno, std::generic_category()};
-    return Failure{.message = "cannot attach to " + *path + ": " + code.message() +
+    return Failure{.message = "cannot attach to " + socket_path + ": " + code.message() +
                               "; run this as the user who drives, or try again in a moment",
                    .code = code};
   }
-  if (!is_trusted_peer(socket.number(), *path)) {
-    return Failure{.message = *path +
+  if (!is_trusted_peer(socket.number(), socket_path)) {
+    return Failure{.message = socket_path +
                               " belongs to another user's process, which is not trusted; "
                               "run this as that user, or drive as yourself",
                    .code = std::make_error_code(std::errc::permission_denied)};
   }
-  return FeedReader{*path, std::move(socket)};
+  return FeedReader{socket_path, std::move(socket)};
+}
+
+bool FeedReader::publishes(const std::string& socket_path, const std::string& port) {
+  auto reader = attach_to(socket_path);
+  if (!reader) return false;
+  const auto first = reader->next(rt::Clock::now() + kTimeToGreet);
+  if (!first || !*first) return false;
+  const std::optional<HeardMessage> heard = read_message(**first);
+  const auto* const hello = heard ? std::get_if<heard::Hello>(&heard->what) : nullptr;
+  return hello != nullptr && lead_to_one_file(hello->port, port);
+}
+
+Result<FeedReader> FeedReader::attach(const std::string& port) {
+  struct stat status{};
+  if (!port.empty() && stat(port.c_str(), &status) == 0 && S_ISSOCK(status.st_mode))
+    return attach_to(port);
+  const std::vector<FoundFeed> feeds = find_feeds();
+  if (port.empty()) {
+    if (feeds.size() == 1) return attach_to(feeds.front().socket);
+    return no_such_feed(feeds.empty() ? "no feed" : "name one of the feeds by its port", feeds);
+  }
+  auto found = std::ranges::find(feeds, feed_name(port), &FoundFeed::name);
+  if (found == feeds.end()) {
+    found = std::ranges::find_if(
+        feeds, [&](const FoundFeed& feed) { return publishes(feed.socket, port); });
+  }
+  if (found == feeds.end()) return no_such_feed("no feed of " + port, feeds);
+  return attach_to(found->socket);
 }
 
 Failure FeedReader::ended() const {

@@ -15,9 +15,10 @@ namespace cargobay::hal {
 // One thread. Allocates.
 class FeedReader {
  public:
-  // Attaches to the feed of the port, to the socket at that path, or, if it is empty, to the only
-  // feed there is. A failure names the feeds there are; its code is no_such_device if nothing
-  // publishes that port. Does not block.
+  // Attaches to the feed of the port, whichever of its names is used here or there, to the socket
+  // at that path, or, if it is empty, to the only feed there is. A failure names the feeds there
+  // are; its code is no_such_device if nothing publishes that port. Under another name than the
+  // driving process has, the feeds are asked: blocks for up to a second for each that hangs.
   static Result<FeedReader> attach(const std::string& port);
 
   // The next message, a line without its end; nothing if none has come by the deadline. Blocks
@@ -33,6 +34,8 @@ class FeedReader {
  private:
   FeedReader(std::string path, Descriptor socket)
       : path_{std::move(path)}, socket_{std::move(socket)} {}
+  static Result<FeedReader> attach_to(const std::string& socket_path);
+  static bool publishes(const std::string& socket_path, const std::string& port);
   Failure ended() const;
 
   std::string path_;

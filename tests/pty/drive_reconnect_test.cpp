@@ -9,12 +9,16 @@
 #include <nlohmann/json.hpp>
 
 #include "drive_fixture.hpp"
+#include "hal/feed/feed_place.hpp"
+#include "hal/feed/feed_reader.hpp"
 
 namespace cargobay::test {
 namespace {
 
 using nlohmann::json;
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 double seconds(clockid_t clock) {
   timespec time{};
@@ -141,6 +145,23 @@ TEST_F(DriveReconnectTest, MayBeInterruptedWhileItWaits) {
   command.send(SIGTERM);
   EXPECT_EQ(command.exit_code(), 1) << "nobody told the robot to stop";
   EXPECT_THAT(command.err(), HasSubstr("interrupted while waiting"));
+}
+
+TEST_F(DriveReconnectTest, KeepsItsFeedAndLeavesTheTerminalsNameToOthers) {
+  Command command{drive({"--duration", "60", "--reconnect"})};
+  ASSERT_TRUE(starts_to_move());
+  const std::string terminal = std::filesystem::canonical(port_);
+  server_->unplug();
+  ASSERT_TRUE(waits(command));
+  const auto reader = hal::FeedReader::attach(port_);
+  ASSERT_TRUE(reader) << reader.failure().message;
+  EXPECT_THAT(reader->path(), Not(EndsWith(hal::feed_name(terminal))))
+      << "the next pseudo-terminal has this name, and another robot";
+  replug();
+  ASSERT_TRUE(is_back(command));
+  EXPECT_TRUE(hal::FeedReader::attach(std::filesystem::canonical(port_)));
+  command.send(SIGINT);
+  EXPECT_EQ(command.exit_code(), 128 + SIGINT);
 }
 
 TEST_F(DriveReconnectTest, WantsANameThatLasts) {

@@ -136,6 +136,25 @@ TEST_F(FeedTest, ADriveNeedNotBeWatched) {
   EXPECT_EQ(attached.failure().code, std::errc::no_such_device);
 }
 
+TEST_F(FeedTest, APortHasOneFeedUnderAllItsNames) {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("robot");
+  const std::string other = folder.path(std::string(100, 'r'));  // too long for a socket's name
+  for (const std::string& name : {link, other}) std::filesystem::create_symlink(port_, name);
+  for (const std::string& name : {port_, link, other}) {
+    port_ = name;
+    Command command{drive({"--duration", "60"})};
+    ASSERT_TRUE(starts_to_move()) << command.err();
+    for (const std::string& asked : {server_->path(), link, other}) {
+      Watcher watcher{asked};
+      EXPECT_EQ(watcher.next("hello")["port"], name) << "asked for " << asked;
+    }
+    command.send(SIGINT);
+    EXPECT_EQ(command.exit_code(), 128 + SIGINT);
+    EXPECT_EQ(command.err(), "");
+  }
+}
+
 TEST_F(FeedTest, OneSteersAtATime) {
   Command command{serve_command()};
   wait_until_served(command);
