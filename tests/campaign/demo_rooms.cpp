@@ -91,12 +91,6 @@ struct Docked {
   double soon_share() const;
 };
 
-double within(const std::vector<double>& times_s, double limit_s) {
-  const auto soon = std::count_if(times_s.begin(), times_s.end(),
-                                  [limit_s](double time_s) { return time_s <= limit_s; });
-  return share(static_cast<std::size_t>(soon), times_s.size());
-}
-
 // Of all that have a path.
 double Docked::soon_share() const {
   const auto soon =
@@ -215,8 +209,8 @@ bool run(const Options& options) {
               static_cast<unsigned long long>(options.to));
   if (wanted("cover_and_dock")) run_docking(options, promises);
   if (wanted("cover")) run_cover(options, promises);
-  if (wanted("home")) run_homing(options, DemoNumber::home, "home", "Home", promises);
-  if (wanted("tag")) run_homing(options, DemoNumber::tag, "tag", "Tag", promises);
+  if (wanted("home")) run_homing(options, DemoNumber::home, "home", promises);
+  if (wanted("tag")) run_homing(options, DemoNumber::tag, "tag", promises);
   if (wanted("mouse")) run_mouse(options, promises);
   return !promises.broken();
 }

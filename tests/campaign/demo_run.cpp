@@ -1,5 +1,6 @@
 #include "tests/campaign/demo_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -63,6 +64,12 @@ void Promises::expect(const char* what, double share, double least) {
 
 double share(std::size_t part, std::size_t whole) {
   return whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+double within(const std::vector<double>& times_s, double limit_s) {
+  const auto soon = std::count_if(times_s.begin(), times_s.end(),
+                                  [limit_s](double time_s) { return time_s <= limit_s; });
+  return share(static_cast<std::size_t>(soon), times_s.size());
 }
 
 }  // namespace cargobay::campaign

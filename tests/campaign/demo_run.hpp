@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "hal/sim/world/path_recorder.hpp"
 #include "oi/commands.hpp"
@@ -62,10 +63,11 @@ class Promises {
 };
 
 double share(std::size_t part, std::size_t whole);
+// Of these times, how many are not longer.
+double within(const std::vector<double>& times_s, double limit_s);
 
 // Runs a demo in each room, and prints its row of the table.
-void run_homing(const Options& options, oi::DemoNumber demo, const char* name, const char* label,
-                Promises& promises);
+void run_homing(const Options& options, oi::DemoNumber demo, const char* name, Promises& promises);
 void run_mouse(const Options& options, Promises& promises);
 
 }  // namespace cargobay::campaign

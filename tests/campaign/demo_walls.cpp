@@ -18,6 +18,8 @@ using oi::DemoNumber;
 namespace {
 
 constexpr double kReaches = 0.95;  // of the starts that can: see run_homing()
+constexpr double kLongestS = 600.0;
+constexpr double kNever = 2.0 * kLongestS;
 constexpr double kFollows = 0.95;  // of the circumference, on average
 
 constexpr double kTouchesMm = 165.0 + 40.0 + 60.0;  // from the robot to the lamp, 60 mm between
@@ -66,14 +68,11 @@ bool paths_lead_there(const RandomRoom& room) {
 }
 
 struct Reached {
-  std::size_t starts = 0;
-  std::size_t ever_reached = 0;
-  std::size_t paths = 0;  // a path leads to all of the walls
-  std::size_t paths_reached = 0;
-  std::size_t free = 0;  // nothing was in the way to any of the walls
-  std::size_t reached = 0;
-  std::size_t stopped = 0;  // at what was in the way
-  double longest_s = 0.0;
+  // All walls, since the start; kNever if it did not.
+  std::vector<double> times_s{};            // of all starts
+  std::vector<double> times_with_path_s{};  // of those from which a path leads to all of the walls
+  std::vector<double> times_with_free_s{};  // of those with nothing in the way to any of the walls
+  std::size_t stopped = 0;                  // at what was in the way
 };
 
 void reach(const Options& options, DemoNumber demo, std::string_view name, std::uint64_t seed,
@@ -81,62 +80,76 @@ void reach(const Options& options, DemoNumber demo, std::string_view name, std::
   const RandomRoom room =
       random_room(seed, demo == DemoNumber::home ? Furnished::for_home : Furnished::for_tag);
   const auto& lamps = room.world.virtual_walls;
-  ++reached.starts;
   const bool free = ways_are_free(room);
-  if (free) ++reached.free;
   const bool path = paths_lead_there(room);
-  if (path) ++reached.paths;
   Run run{room, demo, robot(seed, 30.0)};
   std::vector<bool> touched(lamps.size(), false);
   const auto all = [&] { return std::count(touched.begin(), touched.end(), false) == 0; };
-  while (!all() && !run.over() && run.time_s() < 180.0) {
+  while (!all() && !run.over() && run.time_s() < kLongestS) {
     run.step();
     for (std::size_t i = 0; i < lamps.size(); ++i) {
       if (distance_mm(run.pose(), lamps[i].origin) < kTouchesMm) touched[i] = true;
     }
   }
   run.draw(options, name, seed);
-  if (all()) ++reached.ever_reached;
-  if (all() && path) ++reached.paths_reached;
+  const double time_s = all() ? run.time_s() : kNever;
+  reached.times_s.push_back(time_s);
+  if (path) reached.times_with_path_s.push_back(time_s);
+  if (free) reached.times_with_free_s.push_back(time_s);
   if (!free && (all() || run.over())) ++reached.stopped;
-  if (free && all()) {
-    ++reached.reached;
-    reached.longest_s = std::max(reached.longest_s, run.time_s());
-  }
   if (all() || !path) return;
   std::fprintf(stderr, "%s, seed %llu%s: not reached, %.0f s\n", std::string{name}.c_str(),
                static_cast<unsigned long long>(seed), free ? "" : " (around)", run.time_s());
 }
 
+double percent(double share) { return 100.0 * share; }
+
+void print_minutes(const std::vector<double>& times_s) {
+  for (const int minutes : {1, 2, 3, 5})
+    std::printf("%.1f %% within %d min, ", percent(within(times_s, 60.0 * minutes)), minutes);
+  std::printf("**%.1f %%** within 10", percent(within(times_s, kLongestS)));
+}
+
+void print_home(const Reached& reached) {
+  const std::size_t starts = reached.times_s.size();
+  const std::size_t free = reached.times_with_free_s.size();
+  const std::size_t others = starts - free;
+  const double ended = within(reached.times_with_free_s, kLongestS) * static_cast<double>(free) +
+                       static_cast<double>(reached.stopped);
+  std::printf("| Home | %zu starts that see a beam; from %zu the way is free, and of these ",
+              starts, free);
+  print_minutes(reached.times_with_free_s);
+  std::printf(
+      " reach the wall; of the %zu others, %.1f %% reach it or stop at what is in the way; of all, "
+      "**%.1f %%** end as the manual says, and %.1f %% reach the wall |\n",
+      others, percent(share(reached.stopped, others)), percent(ended / static_cast<double>(starts)),
+      percent(within(reached.times_s, kLongestS)));
+}
+
+void print_tag(const Reached& reached) {
+  std::printf("| Tag | %zu starts that see a beam; of all, ", reached.times_s.size());
+  print_minutes(reached.times_s);
+  std::printf(" reach both walls; of the %zu from which a path leads to both, ",
+              reached.times_with_path_s.size());
+  print_minutes(reached.times_with_path_s);
+  std::printf("; of the %zu from which the way is free, %.1f %% |\n",
+              reached.times_with_free_s.size(),
+              percent(within(reached.times_with_free_s, kLongestS)));
+}
+
 }  // namespace
 
 // Home can reach the wall where the way is free, because it ends at what is in its way (OI p. 8).
-// Tag can wherever a path leads to both.
-void run_homing(const Options& options, DemoNumber demo, const char* name, const char* label,
-                Promises& promises) {
+// Tag goes around that.
+void run_homing(const Options& options, DemoNumber demo, const char* name, Promises& promises) {
   const bool home = demo == DemoNumber::home;
   Reached reached;
   for (std::uint64_t seed = options.from; seed <= options.to; ++seed)
     reach(options, demo, name, seed, reached);
-  const double of_free = share(reached.reached, reached.free);
-  const double of_paths = share(reached.paths_reached, reached.paths);
-  std::printf(
-      "| %s | %zu starts that see a beam; from %zu the way is free. Of these, %s%.1f %%%s "
-      "reach %s, the slowest in %.0f s",
-      label, reached.starts, reached.free, home ? "**" : "", 100.0 * of_free, home ? "**" : "",
-      home ? "the wall" : "both walls", reached.longest_s);
-  if (home) {
-    std::printf(
-        "; of the %zu others, %.1f %% reach it or stop at what is in the way"
-        "; of all, **%.1f %%** end as the manual says",
-        reached.starts - reached.free,
-        100.0 * share(reached.stopped, reached.starts - reached.free),
-        100.0 * share(reached.reached + reached.stopped, reached.starts));
-  }
-  std::printf("; of the %zu from which a path leads there, %s%.1f %%%s; of all, %.1f %% |\n",
-              reached.paths, home ? "" : "**", 100.0 * of_paths, home ? "" : "**",
-              100.0 * share(reached.ever_reached, reached.starts));
-  promises.expect(name, home ? of_free : of_paths, kReaches);
+  (home ? print_home : print_tag)(reached);
+  promises.expect(name,
+                  within(home ? reached.times_with_free_s : reached.times_with_path_s, kLongestS),
+                  kReaches);
 }
 
 namespace {
