@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "hal/bring_up/bring_up.hpp"
 #include "hal/cycle/control_cycle.hpp"
 #include "hal/cycle/cycle_parameters.hpp"
@@ -136,5 +138,10 @@ class VirtualDrive {
   std::vector<rt::WheelSpeeds> truths_;
   DriveResult result_;
 };
+
+inline void expect_stopped(const VirtualDrive& drive) {
+  EXPECT_EQ(drive.device.mode(), oi::Mode::passive);
+  EXPECT_EQ(drive.device.commanded(), rt::WheelSpeeds{});
+}
 
 }  // namespace cargobay::hal::test
