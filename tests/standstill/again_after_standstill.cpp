@@ -10,6 +10,9 @@
 // everything else, one on each processor and one on a separate terminal, show that it was so. A
 // failure without a standstill counts, at the first run. Returns what the command returned last,
 // 128 + N if signal N ended it.
+//
+// Each run has an empty $XDG_RUNTIME_DIR of its own, where it publishes feeds: they are named after
+// ports, and a pseudo-terminal that one test closes is the next one's.
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -29,8 +32,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <latch>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -108,7 +113,25 @@ void start_watches() {
   std::thread{watch_terminal, master, slave}.detach();
 }
 
+class RuntimeFolder {
+ public:
+  RuntimeFolder() {
+    if (mkdtemp(path_.data()) == nullptr) path_.clear();
+    setenv("XDG_RUNTIME_DIR", path_.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): no watch reads it
+  }
+  ~RuntimeFolder() {
+    std::error_code error;
+    if (!path_.empty()) std::filesystem::remove_all(path_, error);
+  }
+  RuntimeFolder(const RuntimeFolder&) = delete;
+  RuntimeFolder& operator=(const RuntimeFolder&) = delete;
+
+ private:
+  std::string path_ = "/tmp/cargobay-run-XXXXXX";
+};
+
 int run(char** command) {
+  const RuntimeFolder folder;
   const pid_t process = fork();
   if (process == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -26,3 +26,12 @@ expect 'a failure on a steady machine is one' 3 1 "$never" "$still exit 3"
 expect 'a failure behind a standstill is run again' 0 3 100 "$still test \$(wc -l < '$runs') -eq 3"
 expect 'six times at most' 3 6 100 "$still exit 3"
 expect 'a signal is a failure' 137 1 "$never" 'kill -KILL $$'
+
+# A feed that one run leaves is not in the way of the next.
+folders=$(mktemp)
+trap 'rm -f "$runs" "$folders"' EXIT
+expect 'each run has an empty folder for its feeds' 0 3 100 \
+  "$still echo \$XDG_RUNTIME_DIR >> '$folders'; mkdir \$XDG_RUNTIME_DIR/cargobay && test \$(wc -l < '$runs') -eq 3"
+while read -r folder; do
+  [[ $folder == /tmp/cargobay-run-* && ! -e $folder ]] || { echo "self_test.sh: $folder is left" >&2; exit 1; }
+done < "$folders"
