@@ -117,8 +117,8 @@ class RuntimeFolder {
  public:
   RuntimeFolder() {
     if (mkdtemp(path_.data()) == nullptr) path_.clear();
-    setenv("XDG_RUNTIME_DIR", path_.c_str(),
-           1);  // NOLINT(concurrency-mt-unsafe): no watch reads it
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): the watches do not read it
+    setenv("XDG_RUNTIME_DIR", path_.c_str(), 1);
   }
   ~RuntimeFolder() {
     std::error_code error;
