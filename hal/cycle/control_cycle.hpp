@@ -9,11 +9,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "oi/bit_set.hpp"
 #include "rt/clock.hpp"
 #include "rt/nonblocking.hpp"
 
 namespace cargobay::oi {
+template <typename Flag>
+class BitSet;
 enum class PacketId : std::uint8_t;
 }  // namespace cargobay::oi
 namespace cargobay::rt {
