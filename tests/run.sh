@@ -117,23 +117,25 @@ await() {
 virtual='(unit|sim)(_slow)?'
 apart='pi'
 
-# Tests of real time use a tenth of a processor. Twice as many as there are processors leave the
-# builder most of them; with none left, it would hold locks of the kernel that the tests wait for.
-places=$((2 * jobs))
-
-# ctests NAME PRESET CTEST-ARGUMENT...: for a stage of that name.
+# ctests NAME PRESET PLACES CTEST-ARGUMENT...: for a stage of that name.
 ctests() {
-  local name=$1 preset=$2
-  shift 2
+  local name=$1 preset=$2 places=$3
+  shift 3
   ctest --preset "$preset" -j "$places" --no-tests=error --output-junit "$logs/$name.xml" \
     --test-output-size-passed 100000 "$@"
 }
 
-# computing_tests PRESET: two places each (tests/CMakeLists.txt).
-computing_tests() { background "$1-virtual" ctests "$1-virtual" "$1" -L "^$virtual\$"; }
+# computing_tests PRESET: as many as there are processors, for each takes two places.
+computing_tests() {
+  background "$1-virtual" ctests "$1-virtual" "$1" $((2 * jobs)) -L "^$virtual\$"
+}
 
-# clock_tests PRESET: programs of real time, which mostly wait.
-clock_tests() { stage "$1-tests" ctests "$1-tests" "$1" -LE "^($virtual|$apart)\$" || true; }
+# clock_tests PRESET: programs of real time, which mostly wait. One more than there are processors
+# leaves the builder most of them; with none left, it would hold locks of the kernel that the tests
+# wait for.
+clock_tests() {
+  stage "$1-tests" ctests "$1-tests" "$1" $((jobs + 1)) -LE "^($virtual|$apart)\$" || true
+}
 
 # said_by_failed LOG: of ctest, the last lines of each test that failed.
 said_by_failed() {
@@ -189,7 +191,7 @@ finish() {
 
 if ((quick)); then
   stage install .ci/packages.sh quick || { finish; exit 1; }
-  if stage quick-build build_quick; then stage quick-tests ctests quick-tests quick || true; fi
+  if stage quick-build build_quick; then stage quick-tests ctests quick-tests quick $((2 * jobs)) || true; fi
   stage format tests/lint.sh --format || true
   finish
   exit
