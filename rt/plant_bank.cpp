@@ -31,7 +31,7 @@ constexpr float kMisfit = 2.0F;  // standard deviations
 constexpr float kMisfitSteady = 2.5F;
 constexpr int kMisfitWindows = 2;  // in a row, as all of these; at a steady speed, one reading
 constexpr int kMisfitsWhileChanging = 6;  // then a plant that is not known yet misfits too
-constexpr float kWidenedSd = 0.13F;       // of a gain
+constexpr float kWidenedSd = 0.14F;       // a part of each gain
 constexpr float kWidenedCorrelation = 0.95F;
 constexpr float kSteady = 0.15F;      // of the command: its changes, of late
 constexpr float kStillMmS = 0.5F;     // the same, of a robot that stands
@@ -229,17 +229,23 @@ bool PlantBank::load_changed(Readings& readings, float misfit, bool lost) CARGOB
   return true;
 }
 
+// A load takes the same part of both gains, or nearly: a better wheel loses more.
+void PlantBank::widen() CARGOBAY_NONBLOCKING {
+  constexpr float kMore = kWidenedSd * kWidenedSd;
+  for (std::size_t drive = 0; drive < PlantModels::kDrives; ++drive) {
+    for (std::size_t part = 0; part < PlantModels::kParts; ++part) {
+      const Lanes left = gain_[0][drive][part];
+      const Lanes right = gain_[1][drive][part];
+      covariance_.left_left[drive][part] += kMore * left * left;
+      covariance_.right_right[drive][part] += kMore * right * right;
+      covariance_.left_right[drive][part] += kWidenedCorrelation * kMore * left * right;
+    }
+  }
+}
+
 // The wheels answer by other gains from now on; what they do already is not concerned.
 void PlantBank::begin_again(const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING {
-  constexpr float kMore = kWidenedSd * kWidenedSd;
-  const auto widen = [](Models& models, float more) CARGOBAY_NONBLOCKING {
-    for (Lags& lags : models) {
-      for (Lanes& part : lags) part += more;
-    }
-  };
-  widen(covariance_.left_left, kMore);
-  widen(covariance_.right_right, kMore);
-  widen(covariance_.left_right, kWidenedCorrelation * kMore);
+  widen();
   if (frozen_ticks_ > 0 || steady()) {
     frozen_ticks_ = static_cast<int>(kFrozenS / parameters_.tick_s);
   }

@@ -146,6 +146,7 @@ class PlantBank {
   float learn(std::size_t drive, const Seen& seen, const Expected& expected) CARGOBAY_NONBLOCKING;
   void give_back(float before, float after) CARGOBAY_NONBLOCKING;
   bool load_changed(Readings& readings, float misfit, bool lost) CARGOBAY_NONBLOCKING;
+  void widen() CARGOBAY_NONBLOCKING;
   void begin_again(const WheelSpeeds& speeds) CARGOBAY_NONBLOCKING;
   void average_gains() CARGOBAY_NONBLOCKING;
   void state_spread(float left_left, float left_right, float right_right) CARGOBAY_NONBLOCKING;

@@ -51,6 +51,7 @@ class Watch {
 
   const PlantEstimate& estimate() const { return bank_.estimate(); }
   Plant& plant() { return plant_; }
+  void read_no_more_angles() { reads_angles_ = false; }
   PlantBank& bank() { return bank_; }
 
  private:
@@ -58,7 +59,8 @@ class Watch {
     const auto reading = plant_.read();
     const auto belief = belief_in(plant_.parameters().remainder);
     bank_.read(Axis::distance, *reading.distance_mm, since_read_, belief, plant_.truth());
-    bank_.read(Axis::turn, *reading.angle_deg, since_read_, belief, plant_.truth());
+    if (reads_angles_)
+      bank_.read(Axis::turn, *reading.angle_deg, since_read_, belief, plant_.truth());
     bank_.conclude();
     since_read_ = 0;
   }
@@ -67,6 +69,7 @@ class Watch {
   PlantBank bank_;
   WheelSpeeds command_{};
   int since_read_ = 0;
+  bool reads_angles_ = true;
 };
 
 PlantEstimate known(double lag_s, double dead_time_s, double ramp_s2_mm) {
@@ -124,6 +127,21 @@ INSTANTIATE_TEST_SUITE_P(PlantBank, PlantBankOfBothKinds,
                          [](const auto& tested) {
                            return tested.param == Remainder::carried ? "Carried" : "Lost";
                          });
+
+// A distance tells the mean of both wheels; how they share it follows from what a load is.
+TEST_P(PlantBankOfBothKinds, TakesALoadForTheSamePartOfBothGains) {
+  Watch watch{{.remainder = GetParam(), .gain_left = 0.70, .gain_right = 0.95, .noise_mm_s = 0.0}};
+  watch.drive_about(3, 20.0);
+  watch.run({200, 200}, 200);
+  const PlantEstimate before = watch.estimate();
+  watch.plant().parameters().gain_left *= 0.75;
+  watch.plant().parameters().gain_right *= 0.75;
+  watch.read_no_more_angles();
+  watch.run({200, 200}, 130);
+  const PlantEstimate& after = watch.estimate();
+  EXPECT_NEAR(after.gain_left + after.gain_right, 0.75 * 1.65, 0.03);
+  EXPECT_NEAR(after.gain_left / after.gain_right, before.gain_left / before.gain_right, 0.015);
+}
 
 // Plants of its grid, after half a minute: the mean of the gains, and lag and dead time to a step.
 TEST_P(PlantBankOfBothKinds, LearnsExactPlants) {
