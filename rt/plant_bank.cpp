@@ -37,6 +37,7 @@ constexpr float kSteady = 0.15F;      // of the command: its changes, of late
 constexpr float kStillMmS = 0.5F;     // the same, of a robot that stands
 constexpr double kExcitationS = 0.5;  // how long a change counts as such
 constexpr double kFrozenS = 1.0;
+constexpr double kDoubtfulS = 1.0;
 constexpr double kAlikeAfterS = 2.0;  // of steady commands: the slowest plant has settled
 constexpr int kMostTicks = 1'000'000;
 
@@ -103,6 +104,7 @@ void PlantBank::reset() CARGOBAY_NONBLOCKING {
   readings_ = {};
   excitation_ = 0.0F;
   frozen_ticks_ = 0;
+  doubtful_ticks_ = 0;
   steady_ticks_ = 0;
   turn_ = 0;
   driven_ = {};
@@ -120,6 +122,7 @@ void PlantBank::step(const WheelSpeeds& command) CARGOBAY_NONBLOCKING {
   excitation_ =
       fade * excitation_ + std::abs(newest[0] - former[0]) + std::abs(newest[1] - former[1]);
   frozen_ticks_ = std::max(frozen_ticks_ - 1, 0);
+  doubtful_ticks_ = std::max(doubtful_ticks_ - 1, 0);
   steady_ticks_ = steady() ? std::min(steady_ticks_ + 1, kMostTicks) : 0;
   Lanes left{};
   Lanes right{};
@@ -221,6 +224,7 @@ bool PlantBank::load_changed(Readings& readings, float misfit, bool lost) CARGOB
     readings.misfits = 0;
     return false;
   }
+  if (alike()) doubtful_ticks_ = static_cast<int>(kDoubtfulS / parameters_.tick_s);
   const int sign = misfit > 0.0F ? 1 : -1;
   readings.misfits = readings.misfits * sign > 0 ? readings.misfits + sign : sign;
   const int enough = lost ? kMisfitWindows : at_once ? 1 : kMisfitsWhileChanging;

@@ -78,6 +78,10 @@ class PlantBank {
   // Whether the commands have hardly changed of late: then all models foresee the same.
   bool steady() const CARGOBAY_NONBLOCKING;
 
+  // Whether a reading within the last second missed what all models foresaw alike, as if the load
+  // had changed: what comes next should be read soon.
+  bool load_in_doubt() const CARGOBAY_NONBLOCKING { return doubtful_ticks_ > 0; }
+
   const PlantEstimate& estimate() const CARGOBAY_NONBLOCKING { return estimate_; }
   // The same with all spreads, but nothing of the remainder or of time.
   LearntPlant learnt() const CARGOBAY_NONBLOCKING;
@@ -166,6 +170,7 @@ class PlantBank {
   std::size_t turn_ = 0;     // of the drives that are weighed one after the other
   float excitation_ = 0.0F;  // mm/s: changes of the command, fading
   int frozen_ticks_ = 0;     // left, in which nothing is concluded about the plant
+  int doubtful_ticks_ = 0;   // left, since a reading missed although the commands were steady
   int steady_ticks_ = 0;
   bool concluded_ = true;  // all that was read is in the estimate
   PlantEstimate estimate_{};

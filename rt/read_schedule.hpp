@@ -43,8 +43,8 @@ class ReadSchedule {
 
   explicit ReadSchedule(const Parameters& parameters) : parameters_{parameters} {}
 
-  // What the wheels do: none is asked to move and they rest, or they are asked for changing speeds
-  // or still roll, or for the same speeds as before.
+  // What the wheels do: none is asked to move and they rest, or they are asked for changing speeds,
+  // or still roll, or their load seems to change, or they are asked for the same speeds as before.
   enum class Motion {
     none,
     changing,

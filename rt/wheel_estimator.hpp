@@ -123,6 +123,8 @@ class WheelEstimator {
   // The same with all spreads, the kind of remainder and how long the wheels have been told to
   // move.
   LearntPlant learnt() const CARGOBAY_NONBLOCKING;
+  // Whether the load has changed of late, or seems to.
+  bool load_in_doubt() const CARGOBAY_NONBLOCKING { return bank_.load_in_doubt(); }
   // By how much the wheels end up faster than that alone would make them.
   WheelSpeeds disturbances() const CARGOBAY_NONBLOCKING;
   // Whether much speaks for it.

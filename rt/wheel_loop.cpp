@@ -177,7 +177,7 @@ Axes WheelLoop::next_reads() CARGOBAY_NONBLOCKING {
   using Motion = ReadSchedule::Motion;
   const bool moving =
       std::abs(command_.left_mm_s) > kMoving || std::abs(command_.right_mm_s) > kMoving;
-  const bool changing = slew_.rates() != WheelSpeeds{};
+  const bool changing = slew_.rates() != WheelSpeeds{} || estimator_.load_in_doubt();
   // A robot that still rolls must not be read tick by tick unless it carries the remainder.
   const bool rolls = !moving && !estimator_.rests();
   const double driven_mm_s = (std::abs(command_.left_mm_s) + std::abs(command_.right_mm_s)) / 2.0;

@@ -182,7 +182,7 @@ TEST_P(AnyPlant, ComesBackAfterALoadStep) {
     back_s.push_back(back);
   }
   tell("back after a load step, s", back_s);
-  EXPECT_LE(quantile(back_s, 0.95), carried() ? 0.84 : 1.5);
+  EXPECT_LE(quantile(back_s, 0.95), carried() ? 0.82 : 1.0);
 }
 
 TEST_P(AnyPlant, NeverRunsAwayFromCountersThatStayZero) {

@@ -48,6 +48,8 @@ class ClosedLoop {
   const WheelLoop& loop() const { return loop_; }
   WheelLoop& loop() { return loop_; }
   const Plant& plant() const { return plant_; }
+  Plant& plant() { return plant_; }
+  Axes reads() const { return reads_; }
   WheelSpeeds command() const { return command_; }
 
  private:
@@ -80,6 +82,22 @@ TEST(WheelLoop, EndsNoDriveForASingleWildReading) {
     for (int i = 0; i < 100; ++i) closed.tick({45, 45}, i == 0 ? -44 : 0);
     EXPECT_EQ(closed.loop().evidence().what, WheelWatch::Finding::nothing);
   }
+}
+
+// Once a reading has missed, it does not wait for another long window to be sure.
+TEST(WheelLoop, ReadsAgainSoonWhereALoadSeemsToHaveChanged) {
+  ClosedLoop closed{{.remainder = Remainder::lost, .noise_mm_s = 0.0}};
+  closed.run({180, 180}, 600);
+  closed.plant().parameters().gain_left *= 0.75;
+  closed.plant().parameters().gain_right *= 0.75;
+  std::vector<int> read_at;
+  for (int tick = 1; tick <= 60; ++tick) {
+    closed.tick({180, 180});
+    if (closed.reads().distance) read_at.push_back(tick);
+  }
+  ASSERT_GE(read_at.size(), 4U);
+  EXPECT_LE(read_at[2], 24) << "of which the first two may be of before";
+  EXPECT_LE(read_at[3] - read_at[2], 6);
 }
 
 TEST(WheelLoop, SendsTheSetSpeedAsItIsWhereTheLoopIsOpen) {
