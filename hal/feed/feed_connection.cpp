@@ -27,29 +27,33 @@ short FeedConnection::events() const {
   return static_cast<short>(waiting_.empty() ? POLLIN : POLLIN | POLLOUT);
 }
 
-bool FeedConnection::is_chosen(FeedType type) {
-  if (type == FeedType::hello || type == FeedType::answer) return true;
-  if (!wants(type)) return false;
-  if (!comes_every_tick(type)) return true;
+void FeedConnection::choose(const FeedChoice& choice) {
+  choice_ = choice;
+  for (std::uint32_t& passed : passed_) passed %= choice_.every;
+}
+
+std::uint64_t FeedConnection::pass(FeedType type, std::uint64_t count) {
+  if (type == FeedType::hello || type == FeedType::answer) return count;
+  if (!wants(type)) return 0;
+  if (!comes_every_tick(type)) return count;
   std::uint32_t& passed = passed_[static_cast<std::size_t>(type)];
-  const bool due = passed == 0;
-  passed = passed + 1 >= choice_.every ? 0 : passed + 1;
-  return due;
+  const std::uint64_t every = choice_.every;
+  const std::uint64_t before_due = passed == 0 ? 0 : every - passed;
+  passed = static_cast<std::uint32_t>((passed + count % every) % every);
+  return count <= before_due ? 0 : (count - before_due - 1) / every + 1;
 }
 
 void FeedConnection::put(const FeedMessage& message) {
-  if (!is_chosen(message.type)) return;
+  if (pass(message.type, 1) == 0) return;
   waiting_.push_back(message);
   waiting_bytes_ += message.line->size();
   while (waiting_bytes_ > kMostBytes && waiting_.size() > 1) make_room();
 }
 
 void FeedConnection::lose(FeedType type, std::uint64_t count) {
-  for (; count > 0; --count) {
-    if (!is_chosen(type)) continue;
-    ++untold_;
-    ++missed_;
-  }
+  const std::uint64_t chosen = pass(type, count);
+  untold_ += chosen;
+  missed_ += chosen;
 }
 
 void FeedConnection::make_room() {

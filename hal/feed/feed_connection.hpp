@@ -49,7 +49,7 @@ class FeedConnection {
   // What to poll for.
   short events() const;
 
-  void choose(const FeedChoice& choice) { choice_ = choice; }
+  void choose(const FeedChoice& choice);
   bool wants(FeedType type) const { return choice_.types.test(static_cast<std::size_t>(type)); }
   // Puts the message behind those that wait, unless this reader has not chosen it. If there is no
   // more room, the oldest make way: readings first, then news, and answers last.
@@ -67,7 +67,8 @@ class FeedConnection {
   bool receive(const std::function<void(std::string_view line)>& hear);
 
  private:
-  bool is_chosen(FeedType type);
+  // How many of the next `count` of that type this reader has chosen; counts them as passed.
+  std::uint64_t pass(FeedType type, std::uint64_t count);
   void make_room();
   void tell_missed();
   void sent(std::size_t bytes);
@@ -77,7 +78,8 @@ class FeedConnection {
   std::uint64_t number_;
   rt::TimePoint since_;
   FeedChoice choice_{};
-  std::array<std::uint32_t, kFeedTypes> passed_{};  // of each type, since one was chosen
+  // Of each type, those since the last that was chosen, and that one; 0: the next one is chosen.
+  std::array<std::uint32_t, kFeedTypes> passed_{};
   std::deque<FeedMessage> waiting_{};
   std::size_t waiting_bytes_ = 0;
   std::size_t sent_of_first_ = 0;  // bytes

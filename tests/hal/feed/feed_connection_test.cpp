@@ -159,5 +159,57 @@ TEST_F(FeedConnectionTest, TellsOfWhatWasGoneBeforeItCouldBePut) {
   EXPECT_EQ(connection->missed(), 56U) << "only of those it has chosen";
 }
 
+// However they come: one at a time or many at once, put or lost.
+TEST_F(FeedConnectionTest, CountsWhatIsLostAsItWouldHaveBeenPut) {
+  constexpr std::uint64_t kSome[] = {1, 5, 2, 12, 0, 3, 24, 7};
+  for (std::uint32_t every = 1; every <= 7; ++every) {
+    FeedChoice choice;
+    choice.every = every;
+    FeedConnection at_once{Descriptor{}, 1, {}};
+    FeedConnection by_one{Descriptor{}, 2, {}};
+    at_once.choose(choice);
+    by_one.choose(choice);
+    std::uint64_t passed = 0;
+    for (const std::uint64_t count : kSome) {
+      at_once.lose(FeedType::state, count);
+      for (std::uint64_t i = 0; i < count; ++i) by_one.lose(FeedType::state, 1);
+      passed += count;
+      EXPECT_EQ(at_once.missed(), (passed + every - 1) / every) << "every " << every;
+      EXPECT_EQ(by_one.missed(), at_once.missed()) << "every " << every;
+    }
+  }
+}
+
+TEST_F(FeedConnectionTest, CountsAnyNumberAtOnce) {
+  FeedChoice choice;
+  choice.every = 4;
+  connection->choose(choice);
+  put(FeedType::state, 0);
+  constexpr std::uint64_t kVeryMany = std::uint64_t{1} << 62U;  // one by one, years
+  connection->lose(FeedType::state, kVeryMany);
+  EXPECT_EQ(connection->missed(), kVeryMany / 4);
+  for (int i = 1; i < 5; ++i) put(FeedType::state, i);
+  std::vector<int> numbers;
+  for (const json& message : all()) {
+    if (message["type"] == "state") numbers.push_back(message["n"]);
+  }
+  EXPECT_THAT(numbers, testing::ElementsAre(0, 4)) << "every fourth, as if none had been lost";
+}
+
+TEST_F(FeedConnectionTest, GoesOnInTurnsWhenItIsChosenAgain) {
+  FeedChoice choice;
+  choice.every = 8;
+  connection->choose(choice);
+  for (int i = 0; i < 8; ++i) put(FeedType::state, i);  // 0
+  connection->choose(choice);
+  for (int i = 8; i < 14; ++i) put(FeedType::state, i);  // 8
+  choice.every = 3;
+  connection->choose(choice);
+  for (int i = 14; i < 18; ++i) put(FeedType::state, i);  // 14, 17
+  std::vector<int> numbers;
+  for (const json& message : all()) numbers.push_back(message["n"]);
+  EXPECT_THAT(numbers, testing::ElementsAre(0, 8, 14, 17));
+}
+
 }  // namespace
 }  // namespace cargobay::hal
