@@ -3,102 +3,20 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "drive_fixture.hpp"
-#include "hal/feed/feed_reader.hpp"
+#include "feed_fixture.hpp"
 #include "hal/sim/remote/fault_command.hpp"
 
 namespace cargobay::test {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
-
-// One who reads the feed.
-class Watcher {
- public:
-  explicit Watcher(const std::string& port) {
-    EXPECT_TRUE(eventually([&] {
-      auto attached = hal::FeedReader::attach(port);
-      if (attached) reader_.emplace(std::move(*attached));
-      return reader_.has_value();
-    }));
-  }
-  // The next message for which `matches` is true; null after 10 s, or when the feed has ended.
-  json next(const std::function<bool(const json&)>& matches) {
-    const rt::TimePoint deadline = rt::Clock::now() + std::chrono::seconds{10};
-    while (reader_) {
-      const auto line = reader_->next(deadline);
-      if (!line || !*line) break;
-      json message = json::parse(**line);
-      if (matches(message)) return message;
-    }
-    return {};
-  }
-  json next(const std::string& type) {
-    return next([&](const json& message) { return message["type"] == type; });
-  }
-  void tell(const json& request) {
-    ASSERT_TRUE(reader_);
-    EXPECT_TRUE(reader_->ask(request.dump()));
-  }
-  // The answer.
-  json ask(json request) {
-    request["id"] = ++asked_;
-    tell(request);
-    return next([&](const json& message) {
-      return message["type"] == "answer" && message["id"] == asked_;
-    });
-  }
-  // Steers for as long as `goes_on`.
-  void drive_while(double speed_mm_s, const std::function<bool()>& goes_on) {
-    while (goes_on()) {
-      tell({{"do", "drive"}, {"left_mm_s", speed_mm_s}, {"right_mm_s", speed_mm_s}});
-      (void)next("state");
-    }
-  }
-  hal::FeedReader& reader() { return *reader_; }
-  void go() { reader_.reset(); }
-
- private:
-  std::optional<hal::FeedReader> reader_{};
-  int asked_ = 0;
-};
-
-class FeedTest : public DriveTest {
- protected:
-  std::vector<std::string> serve_command() const { return {"serve", "--port", port_, "--no-http"}; }
-  // Once it is served.
-  static void wait_until_served(Command& command) {
-    ASSERT_TRUE(eventually([&] {
-      (void)command.running();
-      return command.out().find("serving ") != std::string::npos;
-    })) << command.err();
-  }
-  // Within 10 s.
-  bool comes_to_stand() const {
-    return eventually([this] {
-      return server_->snapshot().commanded == hal::sim::WheelSpeeds{} && stands_still();
-    });
-  }
-  double left_mm_s() const { return server_->snapshot().truth.speeds.left_mm_s; }
-  void drive_until_it_moves(Watcher& watcher) const {
-    ASSERT_EQ(watcher.ask({{"do", "hold"}, {"name", "test"}})["ok"], true);
-    int states = 0;
-    watcher.drive_while(200.0, [&] { return left_mm_s() < 100.0 && ++states < 400; });
-    ASSERT_GE(left_mm_s(), 100.0);
-  }
-};
 
 TEST_F(FeedTest, ADriveIsWatchedAndNotSteered) {
   Command command{drive({"--duration", "60"})};
@@ -300,6 +218,40 @@ TEST_F(FeedTest, GoesOnWithoutTheModeAndIsRearmed) {
   EXPECT_EQ(watcher.next(
                 [](const json& message) { return message.value("what", "") == "rearmed"; })["type"],
             "event");
+}
+
+// Packets are read in turns, so that a frame may lack that of a hazard: a state says what is there,
+// whichever states a reader gets.
+TEST_F(FeedTest, AHazardStaysInEachStateWhileItIsThere) {
+  Command command{serve_command()};
+  wait_until_served(command);
+  Watcher watcher{port_};
+  const json there = json::array({"cliff_left"});
+  for (const int every : {1, 3, 4}) {
+    const auto cliff = [this](bool is_there) {
+      server_->with_device(
+          [&](hal::sim::Device& device) { device.inputs().cliff_left.cliff = is_there; });
+    };
+    const auto next_of = [&](const json& hazards) {
+      return watcher.next([&](const json& message) {
+        return message["type"] == "state" && message["hazards"] == hazards;
+      });
+    };
+    cliff(true);
+    ASSERT_EQ(watcher.ask({{"do", "subscribe"}, {"types", {"state"}}, {"every", every}})["ok"],
+              true);
+    const json first = next_of(there);
+    ASSERT_FALSE(first.is_null()) << "every " << every;
+    std::int64_t tick = first["tick"];
+    for (int i = 0; i < 40; ++i) {
+      const json state = watcher.next("state");
+      ASSERT_EQ(state["hazards"], there) << "every " << every << ", after " << i;
+      EXPECT_GE(state["tick"], tick + every);
+      tick = state["tick"];
+    }
+    cliff(false);
+    EXPECT_FALSE(next_of(json::array()).is_null()) << "it is over";
+  }
 }
 
 // What each client got, and what it was told to have missed, adds up, and none holds up the loop.
