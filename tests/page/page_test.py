@@ -230,6 +230,14 @@ class Loading(PageTest):
             });""")
         self.assertEqual(lengths, [10, 990, 999, 10, 1980, 1998])
 
+    def test_what_rounds_to_0_has_no_sign(self):
+        texts = self.page().driver.execute_async_script("""
+            const done = arguments[0];
+            import("./dom.js").then(({fixed, quantity}) => done(
+              [fixed(-0.4), fixed(-0.5, 1), fixed(-0.04, 1), fixed(-12.6), quantity(-0, "mA")]));
+            """)
+        self.assertEqual(texts, ["0", "-0.5", "0.0", "-13", "0 mA"])
+
     def test_steers_in_a_browser_that_keeps_nothing(self):
         browser = self.page_of_its_own()
         browser.cdp("Page.addScriptToEvaluateOnNewDocument", source="""
@@ -307,6 +315,18 @@ class Everybody(PageTest):
         found = " ".join(self.violations(browser))
         self.assertIn("button-name", found)
         self.assertIn("color-contrast", found)
+
+    def test_who_steers_a_phone_sees_map_stick_and_buttons_at_once(self):
+        browser = self.page(size=PHONE)
+        browser.steer()
+        until(lambda: browser.run("return scrollY") > 0, "a page that shows the map")
+        boxes = browser.run("""return ["map", "stick", "rearm", "reset", "stop"].map((id) => {
+            const {top, bottom} = document.getElementById(id).getBoundingClientRect();
+            return [id, top, bottom]; })""")
+        stop = boxes.pop()
+        for name, top, bottom in boxes:
+            self.assertGreaterEqual(top, 0, name)
+            self.assertLessEqual(bottom, stop[1], name)
 
     def test_the_stop_can_always_be_pressed(self):
         for size in (DESKTOP, PHONE):

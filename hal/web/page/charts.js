@@ -1,6 +1,6 @@
 // Set, estimated and true speed of each wheel over time, by dygraphs.
 
-import { byId, onColours, setText, style } from "./dom.js";
+import { byId, fixed, onColours, setText, style } from "./dom.js";
 
 const kWindow_s = 20;
 const kMostRows = 1500;
@@ -118,7 +118,7 @@ export class SpeedCharts {
       const [, set, estimate, truth] = this.rows[side].at(-1);
       const known = [["set", set], ["estimated", estimate], ["true", truth]].filter(
         ([, speed]) => speed !== null);
-      return `${side}: ${known.map(([name, speed]) => `${name} ${speed.toFixed(0)}`).join(", ")}`;
+      return `${side}: ${known.map(([name, speed]) => `${name} ${fixed(speed)}`).join(", ")}`;
     };
     setText(byId("speeds-now"), this.sides.map(say).join(" · "));
   }

@@ -24,9 +24,15 @@ export function make(tag, properties = {}, ...children) {
 
 export const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
 
+// As toFixed(), but what rounds to 0 has no sign.
+export function fixed(value, decimals = 0) {
+  const text = value.toFixed(decimals);
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
 // A number with its unit, or a dash where it is not known.
 export function quantity(value, unit, decimals = 0) {
-  return isNumber(value) ? `${value.toFixed(decimals)} ${unit}` : "–";
+  return isNumber(value) ? `${fixed(value, decimals)} ${unit}` : "–";
 }
 
 // Names as people write them: `cliff_front_left` is "cliff front left".

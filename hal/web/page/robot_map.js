@@ -1,7 +1,7 @@
 // The map: the world, the way driven, where odometry and the truth put the robot, and where it
 // bumped. Of a virtual Create it is drawn in the world's coordinates, else in odometry's.
 
-import { byId, fitCanvas, isNumber, onColours, oncePerFrame, setAttribute, setText, style }
+import { byId, fitCanvas, fixed, isNumber, onColours, oncePerFrame, setAttribute, setText, style }
   from "./dom.js";
 import { ellipse, frameOf, fromDegrees, jumped, outOf, toDegrees } from "./frames.js";
 import { Ring, Track } from "./history.js";
@@ -222,5 +222,5 @@ export class RobotMap {
 
 function place({ x_mm, y_mm, heading_rad }) {
   const degrees = toDegrees(Math.atan2(Math.sin(heading_rad), Math.cos(heading_rad)));
-  return `x ${x_mm.toFixed(0)} mm, y ${y_mm.toFixed(0)} mm, ${degrees.toFixed(0)}°`;
+  return `x ${fixed(x_mm)} mm, y ${fixed(y_mm)} mm, ${fixed(degrees)}°`;
 }

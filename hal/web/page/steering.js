@@ -1,7 +1,7 @@
 // Who steers, and with what setpoint. A setpoint is sent only while something is held: a key, the
 // stick, the gamepad. Letting go, looking away or losing the connection stops the robot.
 
-import { byId, setAttribute, setText } from "./dom.js";
+import { byId, fixed, setAttribute, setText } from "./dom.js";
 import { warn } from "./status.js";
 
 const kEvery_ms = 100;
@@ -201,7 +201,7 @@ export class Steering {
     const { velocity_mm_s, turn_rate_rad_s } = this.wish();
     const degrees = (turn_rate_rad_s * 180) / Math.PI;
     setText(byId("wanted"), this.held.size === 0 ? "nothing is held"
-      : `${velocity_mm_s.toFixed(0)} mm/s, ${degrees.toFixed(0)} °/s`);
+      : `${fixed(velocity_mm_s)} mm/s, ${fixed(degrees)} °/s`);
   }
 }
 
