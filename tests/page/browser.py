@@ -1,6 +1,7 @@
 """Debian's chromium without a screen, on one page."""
 
 import base64
+import json
 import re
 
 from selenium import webdriver
@@ -15,13 +16,13 @@ PHONE = (360, 740)
 
 
 class Browser:
-    def __init__(self, slower=1, arguments=(), **appearance):
+    def __init__(self, slower=1, arguments=(), logs=("browser",), **appearance):
         options = webdriver.ChromeOptions()
         options.binary_location = "/usr/bin/chromium"
         for argument in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage",
                          f"window-size={DESKTOP[0]},{DESKTOP[1]}", *arguments):
             options.add_argument(f"--{argument}")
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        options.set_capability("goog:loggingPrefs", {log: "ALL" for log in logs})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
         self.cdp("Emulation.setCPUThrottlingRate", rate=slower)
         self.appear(**appearance)
@@ -93,6 +94,20 @@ class Browser:
         """What its console has said since the last time."""
         return [entry["message"] for entry in self.driver.get_log("browser")
                 if entry["level"] in ("SEVERE", "WARNING")]
+
+    def asked_for_by(self):
+        """Of each file that was asked for since the last time, what asked for it, as the browser
+        has it: another file, or nothing. A browser that keeps the log "performance" knows."""
+        askers = {}
+        for entry in self.driver.get_log("performance"):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] != "Network.requestWillBeSent":
+                continue
+            initiator = message["params"]["initiator"]
+            frames = initiator.get("stack", {}).get("callFrames", [])
+            asker = initiator.get("url") or (frames[0]["url"] if frames else None)
+            askers.setdefault(message["params"]["request"]["url"], asker)
+        return askers
 
     def picture(self, path, height=None):
         """Of the part in view or, with a height, of so much of the page."""

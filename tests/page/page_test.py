@@ -12,13 +12,16 @@ import unittest
 from selenium.webdriver.common.keys import Keys
 
 import page_case
-from browser import DESKTOP, PHONE
+from browser import DESKTOP, PHONE, Browser
 from page_case import NEAR_MM, PageTest
 from served import until
 from showing import Showing  # noqa: F401: a part of this test
 
 MOST_BYTES = 300_000
 MOST_FILES = 26
+MOST_WAITS = 1
+MOST_TIMES_EMPTY = 8
+EMPTY = "dygraphs.txt"  # a licence: no script, no style
 
 
 class Driving(PageTest):
@@ -215,6 +218,38 @@ class Loading(PageTest):
         loaded_ms = browser.run("return performance.timing.loadEventEnd - "
                                 "performance.timing.navigationStart")
         print(f"loaded in {loaded_ms} ms, {sum(size for _, size, _ in files)} bytes")
+
+    def test_no_file_waits_for_one_that_waited(self):
+        """Where answers take long, each such wait is seen. index.html asks for all files."""
+        browser = Browser(logs=("browser", "performance"))
+        self.addCleanup(browser.close)
+        browser.open(self.served.url)
+        askers = browser.asked_for_by()
+        self.assertGreater(len(askers), 10)
+
+        def waits(url):
+            return 0 if askers.get(url) is None else 1 + waits(askers[url])
+
+        chains = {url: waits(url) for url in askers}
+        self.assertLessEqual(max(chains.values()), MOST_WAITS, chains)
+
+    def test_in_a_few_times_what_an_empty_page_takes(self):
+        """Both by the same server, in turn, from an empty cache; the least of some tries, which
+        other work on this machine disturbs least."""
+        browser = self.page_of_its_own()
+        browser.cdp("Network.enable")
+        browser.cdp("Network.setCacheDisabled", cacheDisabled=True)
+
+        def load_ms(path):
+            browser.driver.get(self.served.url + path)
+            return browser.run("""const [{loadEventEnd, startTime}] =
+                performance.getEntriesByType("navigation");
+                return loadEventEnd - startTime;""")
+
+        empty_ms, page_ms = (min(each) for each in zip(
+            *((load_ms(EMPTY), load_ms("")) for _ in range(10))))
+        print(f"loaded in {page_ms:.0f} ms; an empty page in {empty_ms:.0f} ms")
+        self.assertLess(page_ms, MOST_TIMES_EMPTY * empty_ms)
 
     def test_its_memories_do_not_grow(self):
         browser = self.page()
