@@ -5,6 +5,7 @@ import os
 import pathlib
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -90,6 +91,18 @@ class Feed:
         self.socket.close()
 
 
+def sockets_in(folder):
+    return [path for path in pathlib.Path(folder).iterdir() if path.is_socket()]
+
+
+def url_of(process, said):
+    """Where it serves, once it does."""
+    for line in process.stdout:
+        if line.startswith("serving "):
+            return line.split()[1]
+    raise AssertionError(f"it does not serve: {said()}")
+
+
 class Served:
     """The server; each start() may be of another process, at the same address."""
 
@@ -108,18 +121,11 @@ class Served:
              "--learnt", "none", "--drive-on",
              "--guard-deadline", "10000"],  # beside browsers, it may wait long
             stdout=subprocess.PIPE, stderr=self.log, text=True, env=environment)
-        for line in self.process.stdout:
-            if line.startswith("serving "):
-                self.url = line.split()[1]
-                break
-        else:
-            raise AssertionError(f"it does not serve: {self.said()}")
+        self.url = url_of(self.process, self.said)
         self.http = self.url.split("/")[2]
 
     def feed(self):
-        sockets = until(lambda: [path for path in pathlib.Path(self.folder.name).iterdir()
-                                 if path.is_socket()], "the feed's socket")
-        return Feed(sockets[0])
+        return Feed(until(lambda: sockets_in(self.folder.name), "the feed's socket")[0])
 
     def said(self):
         """On its standard error, so far."""
@@ -132,4 +138,40 @@ class Served:
 
     def close(self):
         self.stop()
+        self.folder.cleanup()
+
+
+class Controlled:
+    """A program with a control function of its own, which publishes a feed, and the web side."""
+
+    PROGRAM = """
+import sys
+from cargobay import Flag, Robot, Wheels
+
+with Robot(None, flags=Flag.PUBLISH | Flag.NO_CONFIG | Flag.NO_LEARNT) as robot:
+    robot.set_control(lambda state: {answer})
+    robot.start()
+    sys.stdin.read()  # until the test is done with it
+    robot.end()
+"""
+
+    def __init__(self, build, answer):
+        build = pathlib.Path(build)
+        self.folder = tempfile.TemporaryDirectory(prefix="cargobay-page-")
+        environment = {**os.environ, "CARGOBAY_FEED_DIR": self.folder.name,
+                       "CARGOBAY_LIBRARY": str(build / "libcargobay.so.0"),
+                       "CARGOBAY_GUARD": str(build / "cargobay-guard"),
+                       "PYTHONPATH": str(ROOT / "hal/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+        self.program = subprocess.Popen([sys.executable, "-c", self.PROGRAM.format(answer=answer)],
+                                        stdin=subprocess.PIPE, env=environment)
+        self.feed = until(lambda: sockets_in(self.folder.name), "the feed of a program")[0]
+        self.web = subprocess.Popen(
+            [build / "cargobay-web", "--feed", self.feed, "--http", "127.0.0.1:0"],
+            stdout=subprocess.PIPE, text=True)
+        self.url = url_of(self.web, lambda: "its error is above")
+
+    def close(self):
+        self.web.terminate()
+        self.web.communicate(timeout=PATIENCE_S)
+        self.program.communicate(timeout=PATIENCE_S)
         self.folder.cleanup()

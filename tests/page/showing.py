@@ -1,15 +1,31 @@
 """What the page shows of a robot, and what can be done to a virtual one: a part of page_test.py."""
 
+import contextlib
+import os
 import re
+import signal
+import subprocess
 
+import page_case
 from page_case import PageTest
-from served import ROOT, until
+from served import ROOT, Controlled, Feed, until
+
+
+@contextlib.contextmanager
+def thief(port):
+    """Another program that reads the robot's port, and so takes bytes from the loop."""
+    script = f"exec 3<>{port}; while :; do head -c 5 <&3 >/dev/null; sleep 0.05; done"
+    process = subprocess.Popen(["sh", "-c", script], start_new_session=True)
+    try:
+        yield
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
 
 
 class Showing(PageTest):
-    # No client of the feed can bring them about: a control function of a program; another program
-    # at the port; counters that fail, which tests/hal has.
-    NOT_HERE = {"control_refused", "port_shared", "counters_implausible"}
+    # Only root opens a port that another process has.
+    NOT_HERE = set() if os.geteuid() == 0 else {"port_shared"}
 
     def test_each_event(self):
         browser = self.page()
@@ -44,15 +60,43 @@ class Showing(PageTest):
         self.control("place 1500 1000 90")
         self.steer_from_here(-500, 500, lambda: self.happened("limit_began", seen))
         self.steer_from_here(0, 0, lambda: self.happened("limit_ended", seen))
+        self.begin_another_loop()  # each reports only the first of what cannot be
+        self.control("place 1500 1000 90")
+        self.control("plant missed-left 1")
+        self.steer_from_here(200, 200, lambda: self.happened("counters_implausible", seen))
+        self.control("plant missed-left 0")
         provoke("charging_began", "charger on")
         provoke("charging_ended", "charger off")
-        for event in self.feed.events[seen:]:
+        if "port_shared" not in self.NOT_HERE:
+            with thief(self.feed.newest["hello"]["port"]):
+                provoke("port_shared")
+        happened = self.feed.events[seen:]
+        for event in happened:
             until(lambda: [event["what"], event["text"]] in browser.events(), event)
+        happened.append(self.event_of_a_controller("Wheels(float('nan'), 0.0)"))
         rows = (ROOT / "hal/sensing/events.cpp").read_text()
         kinds = set(re.findall(r'\{EventKind::\w+, "(\w+)"', rows))
         self.assertGreater(len(kinds), 20)
-        self.assertEqual(kinds - self.NOT_HERE, {each["what"] for each in self.feed.events[seen:]})
+        self.assertEqual(kinds - self.NOT_HERE, {each["what"] for each in happened})
         self.assertEqual(browser.complaints(), [])
+
+    def begin_another_loop(self):
+        """The robot is lost for a moment, and brought up again."""
+        self.control("fault stalled-stream 1500")
+        for stage in ("lost", "driving"):
+            self.feed.read_until(lambda: self.feed.newest["status"]["stage"] == stage)
+
+    def event_of_a_controller(self, answer):
+        """The first event of a program whose control function answers so, once its page shows it."""
+        controlled = Controlled(page_case.build, answer)
+        self.addCleanup(controlled.close)
+        feed = Feed(controlled.feed)
+        self.addCleanup(feed.close)
+        feed.read_until(lambda: feed.events)
+        self.browser.open(controlled.url)
+        event = feed.events[0]
+        until(lambda: [event["what"], event["text"]] in self.browser.events(), event)
+        return event
 
     def test_what_the_robot_feels(self):
         browser = self.page()
