@@ -247,7 +247,7 @@ void Feed::accept_client(rt::TimePoint now) {
     reports_.greet(robot_, readers(), to_one);
   }
   JsonObject holder = message(FeedType::holder, sequence_);
-  put_holder(holder, desk_.lease().name());
+  put_holder(holder, desk_.lease().name(), desk_.lease().number());
   tell_one(*client, holder.take());
   (void)client->flush();  // one that is gone is noticed when it is polled
   clients_.push_back(std::move(client));
@@ -296,10 +296,10 @@ void Feed::tell_status() {
 }
 
 void Feed::tell_holder() {
-  if (desk_.lease().client() == told_holder_) return;
-  told_holder_ = desk_.lease().client();
+  if (desk_.lease().number() == told_lease_) return;
+  told_lease_ = desk_.lease().number();
   JsonObject holder = message(FeedType::holder, ++sequence_);
-  put_holder(holder, desk_.lease().name());
+  put_holder(holder, desk_.lease().name(), desk_.lease().number());
   tell_all(FeedType::holder, std::move(holder));
 }
 

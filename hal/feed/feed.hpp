@@ -86,7 +86,7 @@ class Feed {
   FeedDesk desk_;
   FeedReports reports_;
   std::vector<std::unique_ptr<FeedConnection>> clients_{};
-  Lease::Client told_holder_ = 0;
+  std::uint64_t told_lease_ = 0;
   bool told_watched_ = false;
   std::uint64_t sequence_ = 0;       // of the newest message
   rt::TimePoint next_tick_{};        // when to collect what is new, if somebody listens

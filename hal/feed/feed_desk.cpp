@@ -90,7 +90,7 @@ Result<std::string> FeedDesk::hold(const FeedConnection& client, const Hold& wan
                        *lease_.name() + " steers; ask again with `take` to take it from them"};
   }
   if (!had) stop();  // what the former holder wanted is not what this one wants
-  return std::string{};
+  return JsonObject{}.number("lease", lease_.number()).take();
 }
 
 Result<std::string> FeedDesk::drive(const rt::WheelSpeeds& speeds) {

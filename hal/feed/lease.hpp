@@ -20,6 +20,7 @@ class Lease {
   // deprived of it.
   bool hold(Client client, const std::string& name, bool take, rt::TimePoint now) {
     if (holder_ && holder_->client != client && !take) return false;
+    if (!holds(client) || holder_->name != name) ++last_number_;
     holder_ = Holder{.client = client, .name = name, .until = now + length_};
     return true;
   }
@@ -50,8 +51,9 @@ class Lease {
   std::optional<std::string> name() const {
     return holder_ ? std::optional{holder_->name} : std::nullopt;
   }
-  // Of the holder; 0: nobody. Two may have one name.
-  Client client() const { return holder_ ? holder_->client : 0; }
+  // Goes up with each lease, also one of the same client under another name; 0: nobody has it. It
+  // tells holders of one name apart.
+  std::uint64_t number() const { return holder_ ? last_number_ : 0; }
   // When to call expire(); nothing without a holder.
   std::optional<rt::TimePoint> until() const {
     return holder_ ? std::optional{holder_->until} : std::nullopt;
@@ -65,6 +67,7 @@ class Lease {
   };
   rt::Duration length_;
   std::optional<Holder> holder_{};
+  std::uint64_t last_number_ = 0;
 };
 
 }  // namespace cargobay::hal

@@ -74,10 +74,12 @@ TEST(FeedNews, KeepsTheLatestEvents) {
 
 TEST(FeedNews, TellsWhoSteersAndWhatWasMissed) {
   FeedNews news;
-  (void)news.hear(line(hal::FeedType::holder, R"(,"name":"page")"));
+  (void)news.hear(line(hal::FeedType::holder, R"(,"name":"page","lease":3)"));
   EXPECT_EQ(news.holder, "page");
-  (void)news.hear(line(hal::FeedType::holder, R"(,"name":null)"));
+  EXPECT_EQ(news.lease, 3U);
+  (void)news.hear(line(hal::FeedType::holder, R"(,"name":null,"lease":null)"));
   EXPECT_EQ(news.holder, "");
+  EXPECT_EQ(news.lease, 0U);
   (void)news.hear(line(hal::FeedType::missed, R"(,"messages":3)"));
   (void)news.hear(line(hal::FeedType::missed, R"(,"messages":4)"));
   EXPECT_EQ(news.missed, 7U);

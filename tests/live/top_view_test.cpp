@@ -105,6 +105,7 @@ TEST(TeleopView, SaysWhoSteersAndWhyNothingMoves) {
   };
   EXPECT_THAT(picture({.holds = true, .speed_mm_s = 200.0}), HasSubstr("You steer: 200 mm/s"));
   EXPECT_THAT(picture({}), HasSubstr("page on phone steers; t takes it"));
+  EXPECT_THAT(picture({.name = "page on phone"}), HasSubstr("Another page on phone steers; t"));
   EXPECT_THAT(picture({.complaint = "no robot"}), HasSubstr("no robot"));
   news.state->mode = oi::Mode::passive;
   EXPECT_THAT(picture({.holds = true}), HasSubstr("r goes back to it"));

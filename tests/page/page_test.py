@@ -189,8 +189,43 @@ class Lease(PageTest):
         browser.key("w", down=True)
         self.assertTrue(self.feed.ask({"do": "hold", "name": "Ada", "take": True})["ok"])
         until(lambda: browser.text("holder") == "Ada steers", "who steers")
+        self.assertEqual(browser.text("alert"), "Ada steers now.")
         self.assertEqual(browser.text("wanted"), "nothing is held")
         self.assert_stops("the lease was taken")
+
+    def test_taken_by_one_of_the_same_name_ends_the_steering(self):
+        """Two tabs of a browser have one name."""
+        for held in (True, False):
+            browser = self.page()
+            browser.steer()
+            name = self.feed.holder()
+            if held:
+                browser.key("w", down=True)
+                self.moved(self.feed.now("truth")["pose"], 30)
+            self.assertTrue(self.feed.ask({"do": "hold", "name": name, "take": True})["ok"])
+            until(lambda: browser.text("alert") == f"Another {name} steers now.", "who steers")
+            self.assertEqual(browser.text("holder"), f"{name} steers")
+            self.assertEqual(browser.text("wanted"), "nothing is held")
+            self.assert_stops("the lease was taken")
+            browser.key("w", down=True)
+            self.assertEqual(browser.text("wanted"), "nothing is held")
+            self.feed.ask({"do": "stop"})
+
+    def test_is_not_asked_for_again_after_a_stop_by_another_one(self):
+        browser = self.page()
+        browser.run("""
+            window.asked = [];
+            const send = WebSocket.prototype.send;
+            WebSocket.prototype.send = function (text) {
+              window.asked.push(JSON.parse(text).do);
+              return send.call(this, text);
+            };""")
+        browser.steer()
+        until(lambda: browser.run("return window.asked").count("drive") > 10, "some renewals")
+        self.assertTrue(self.feed.ask({"do": "stop"})["ok"])
+        until(lambda: "robot was stopped" in browser.text("alert"), "why it does not steer")
+        self.assertEqual(browser.text("holder"), "nobody steers")
+        self.assertEqual(browser.run("return window.asked").count("hold"), 1)
 
     def test_lasts_while_the_page_stands_still(self):
         browser = self.page()

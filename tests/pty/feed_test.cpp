@@ -111,10 +111,15 @@ TEST_F(FeedTest, WhoHoldsForAMomentIsNamed) {
   EXPECT_EQ(bob.next("holder")["name"], "ann");
   EXPECT_TRUE(bob.next("holder")["name"].is_null());
   // Two of one name: who had it hears that it is lost.
-  EXPECT_EQ(ann.ask({{"do", "hold"}, {"name", "page"}})["ok"], true);
+  const json of_ann = ann.ask({{"do", "hold"}, {"name", "page"}});
+  EXPECT_EQ(of_ann["ok"], true);
+  EXPECT_EQ(ann.next("holder")["lease"], of_ann["result"]["lease"]);
   EXPECT_EQ(bob.next("holder")["name"], "page");
-  EXPECT_EQ(bob.ask({{"do", "hold"}, {"name", "page"}, {"take", true}})["ok"], true);
-  EXPECT_EQ(ann.next("holder")["name"], "page");
+  const json of_bob = bob.ask({{"do", "hold"}, {"name", "page"}, {"take", true}});
+  const json taken = ann.next("holder");
+  EXPECT_EQ(taken["name"], "page");
+  EXPECT_EQ(taken["lease"], of_bob["result"]["lease"]);
+  EXPECT_NE(taken["lease"], of_ann["result"]["lease"]);
 }
 
 TEST_F(FeedTest, TheSignalsAreReadForWhoIsShownThem) {

@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "command.hpp"
-#include "drive_fixture.hpp"
+#include "feed_fixture.hpp"
 #include "temporary_path.hpp"
 
 namespace cargobay::test {
@@ -170,6 +170,21 @@ TEST_F(TeleopTest, TakesTheLeaseOnlyWhenToldTo) {
     first.command().type(" ");
     return first.command().running() && second.command().running() && stands_still();
   }));
+}
+
+// Its own name says nothing: another machine may have one with the same number.
+TEST_F(TeleopTest, NoticesThatOneOfItsNameSteers) {
+  serve_robot();
+  Person person{teleop()};
+  ASSERT_TRUE(person.holds("w", [&] { return rolls(); })) << person.command().err();
+  Watcher watcher{port_};
+  const json name = watcher.next("holder")["name"];
+  ASSERT_EQ(watcher.ask({{"do", "hold"}, {"name", name}, {"take", true}})["ok"], true);
+  EXPECT_TRUE(person.shows("t takes it from them")) << name;
+  EXPECT_TRUE(eventually([&] { return stands_still(); }));
+  for (int i = 0; i < 20; ++i) person.command().type("w");
+  EXPECT_EQ(watcher.ask({{"do", "drive"}, {"left_mm_s", 0}, {"right_mm_s", 0}})["ok"], true);
+  EXPECT_TRUE(stands_still());
 }
 
 TEST_F(TeleopTest, RefusesARobotThatDrivesByItself) {

@@ -53,8 +53,10 @@ class FakeFeed:
                 except ValueError:
                     continue
                 if isinstance(request, dict) and "id" in request:
-                    client.sendall(json.dumps({"type": "answer", "id": request["id"],
-                                               "ok": True}).encode() + b"\n")
+                    answer = {"type": "answer", "id": request["id"], "ok": True}
+                    if request.get("do") == "hold":
+                        answer["result"] = {"lease": 1}
+                    client.sendall(json.dumps(answer).encode() + b"\n")
         except (OSError, ValueError):
             pass
         self.gone.append((number, time.monotonic()))
@@ -74,7 +76,7 @@ class FakeFeed:
             yield {"type": "statistics", "seq": 0, "unsent": tick, "frames": {"good": tick}}
             yield {"type": "event", "seq": 0, "sequence": tick, "what": "bump_began", "tick": tick,
                    "robot_time_s": time_s, "text": "bump, left"}
-            yield {"type": "holder", "seq": 0, "name": "Ada"}
+            yield {"type": "holder", "seq": 0, "name": "Ada", "lease": 1}
             yield {"type": "status", "seq": 0, "stage": "driving", "text": "driving"}
             yield {"type": "virtual_create", "seq": 0, "state": {"powered": True}}
             yield {"type": "missed", "messages": 1}

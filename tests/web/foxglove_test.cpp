@@ -209,15 +209,19 @@ TEST_F(FoxgloveTest, SaysWhoSteersIfItIsSomebodyElse) {
 // A stop is everyone's, also against who goes on publishing.
 TEST_F(FoxgloveTest, AsksForTheLeaseAgainOnlyWhenItWasLetGo) {
   advertise();
-  for (const char* const holder : {"null", "\"Ada\""}) {
+  // Another one may have the same name.
+  for (const char* const holder :
+       {R"(null,"lease":null)", R"("Ada","lease":8)", R"("Foxglove","lease":8)"}) {
     now_ += web::Steering::kLetGo;
     publish(R"({"linear":{"x":0.1}})");
     const std::string hold = requests();
     ASSERT_THAT(hold, HasSubstr("\"do\":\"hold\""));
     const std::string id = hold.substr(0, hold.find(','));  // {"id":N
-    conversation_.tell(id + R"(,"type":"answer","ok":true})", kNowNs);
+    conversation_.tell(id + R"(,"type":"answer","ok":true,"result":{"lease":7}})", kNowNs);
     EXPECT_THAT(requests(), HasSubstr("\"do\":\"drive\""));
     (void)texts();
+    conversation_.tell(R"({"type":"holder","seq":4,"name":"Foxglove","lease":7})", kNowNs);
+    EXPECT_TRUE(texts().empty()) << "that is this one";
     conversation_.tell(std::string{R"({"type":"holder","seq":5,"name":)"} + holder + "}", kNowNs);
     EXPECT_EQ(texts().size(), 1U) << "says why";
     for (int i = 0; i < 20; ++i) {

@@ -34,6 +34,7 @@ struct Taking {
   void operator()(const heard::Truth& truth) const { news.truth = truth; }
   void operator()(heard::Holder& holder) const {
     news.holder = std::move(holder.name).value_or("");
+    news.lease = holder.lease;
   }
   void operator()(const heard::Missed& missed) const { news.missed += missed.messages; }
   void operator()(heard::Answer& answer) const { news.answer = std::move(answer); }

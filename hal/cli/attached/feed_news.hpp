@@ -30,6 +30,7 @@ class FeedNews {
   hal::heard::Statistics statistics{};
   std::optional<hal::heard::Truth> truth{};  // of a virtual Create
   std::string holder{};                      // who steers; empty for nobody
+  std::uint64_t lease = 0;                   // its number; 0 for nobody
   std::uint64_t missed = 0;                  // messages that did not get here
   hal::heard::Answer answer{};               // the latest
 };

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kHoldId = R"("hold")";
 
-// Of this process alone: whoever takes the lease from it is seen to be another one.
+// For people. Another machine, or a container, may have one that is the same.
 std::string own_name() {
   std::array<char, 256> host{};
   if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
@@ -69,9 +69,12 @@ hal::Result<void> Steering::begin(bool take) {
 hal::Result<void> Steering::ask_again(bool take) { return hold(take); }
 
 void Steering::hear(hal::FeedType type) {
-  if (type == hal::FeedType::holder) holds_ = holds_ && news_.holder == name_;
+  if (type == hal::FeedType::holder) holds_ = holds_ && news_.lease == lease_;
   if (type != hal::FeedType::answer) return;
-  if (news_.answer.id == kHoldId) holds_ = news_.answer.ok;
+  if (news_.answer.id == kHoldId) {
+    holds_ = news_.answer.ok;
+    lease_ = news_.answer.lease;
+  }
   complaint_ = news_.answer.ok ? "" : news_.answer.error;
   complained_ = rt::Clock::now();
 }

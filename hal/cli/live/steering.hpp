@@ -2,6 +2,7 @@
 // robot to move.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "hal/cli/attached/feed_news.hpp"
@@ -48,6 +49,7 @@ class Steering {
   FeedNews& news_;
   std::string name_;
   bool holds_ = false;
+  std::uint64_t lease_ = 0;  // the number of ours
   std::string complaint_{};
   rt::TimePoint complained_{};
   rt::WheelSpeeds sent_{};

@@ -143,6 +143,7 @@ class Teleop {
     if (!screen_ || (!screen_->attend() && now < next_draw_)) return;
     next_draw_ = now + kTeleopRefresh;
     const TeleopPicture picture{.holds = steering_.holds(),
+                                .name = steering_.name(),
                                 .speed_mm_s = speed_mm_s_,
                                 .asked = asked_,
                                 .complaint = steering_.complaint(now),

@@ -21,7 +21,9 @@ ScreenLine who_steers(const TeleopPicture& picture, const FeedNews& news) {
   }
   if (news.holder.empty())
     return {{"Nobody steers", TextStyle::strong}, {"; an arrow key takes over"}};
-  return {{news.holder + " steers", TextStyle::alarm}, {"; t takes it from them, space stops"}};
+  const std::string other = news.holder == picture.name ? "Another " : "";
+  return {{other + news.holder + " steers", TextStyle::alarm},
+          {"; t takes it from them, space stops"}};
 }
 
 // Why nothing moves, and what to do about it.

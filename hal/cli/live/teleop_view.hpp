@@ -12,6 +12,7 @@ namespace cargobay::cli {
 
 struct TeleopPicture {
   bool holds = false;  // this command steers
+  std::string name{};  // under which it does
   double speed_mm_s = 0.0;
   rt::WheelSpeeds asked{};
   std::string complaint{};  // why the robot does not do as it is told; may be empty

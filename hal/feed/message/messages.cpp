@@ -127,8 +127,9 @@ void put_statistics(JsonObject& message, const FeedStatistics& statistics) {
   message.number("clients", statistics.clients).number("missed", statistics.missed);
 }
 
-void put_holder(JsonObject& message, const std::optional<std::string>& name) {
-  name ? message.text("name", *name) : message.raw("name", "null");
+void put_holder(JsonObject& message, const std::optional<std::string>& name, std::uint64_t lease) {
+  name ? message.text("name", *name).number("lease", lease)
+       : message.raw("name", "null").raw("lease", "null");
 }
 
 }  // namespace cargobay::hal

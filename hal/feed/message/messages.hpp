@@ -69,6 +69,7 @@ void put_state(JsonObject& message, const StateRecord& state);
 void put_sensors(JsonObject& message, const SensorRecord& sensors, std::int64_t tick);
 void put_event(JsonObject& message, const EventRecord& event, std::int64_t sequence);
 void put_statistics(JsonObject& message, const FeedStatistics& statistics);
-void put_holder(JsonObject& message, const std::optional<std::string>& name);
+// Who steers, and the number of the lease; without a name nobody does.
+void put_holder(JsonObject& message, const std::optional<std::string>& name, std::uint64_t lease);
 
 }  // namespace cargobay::hal

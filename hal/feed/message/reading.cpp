@@ -197,7 +197,15 @@ heard::Answer answer_of(const Json& message) {
   heard::Answer answer{.id = id == nullptr ? "null" : id->dump()};
   take(message, "ok", answer.ok);
   take(message, "error", answer.error);
+  const Json* const result = member(message, "result");
+  if (result != nullptr) take(*result, "lease", answer.lease);
   return answer;
+}
+
+heard::Holder holder_of(const Json& message) {
+  heard::Holder holder{.name = taken<std::string>(message, "name")};
+  take(message, "lease", holder.lease);
+  return holder;
 }
 
 }  // namespace
@@ -218,7 +226,7 @@ std::optional<HeardMessage> read_message(std::string_view line) {
     case FeedType::statistics: heard.what = statistics_of(message); break;
     case FeedType::truth: heard.what = truth_of(message); break;
     case FeedType::world: heard.what = world_of(message); break;
-    case FeedType::holder: heard.what = heard::Holder{taken<std::string>(message, "name")}; break;
+    case FeedType::holder: heard.what = holder_of(message); break;
     case FeedType::missed: heard.what = missed_of(message); break;
     case FeedType::answer: heard.what = answer_of(message); break;
     case FeedType::virtual_create:

@@ -86,6 +86,7 @@ struct World {
 };
 struct Holder {
   std::optional<std::string> name{};  // of who steers
+  std::uint64_t lease = 0;            // its number; 0: nobody steers
 };
 struct Missed {
   std::uint64_t messages = 0;
@@ -94,6 +95,7 @@ struct Answer {
   std::string id{};  // as JSON; "null" if the request had none
   bool ok = false;
   std::string error{};
+  std::uint64_t lease = 0;  // the number of the one that was asked for and given
 };
 // What is for maps and hands, who read it themselves.
 struct Other {};

@@ -262,7 +262,7 @@ void FoxgloveConversation::take(const hal::HeardMessage& message, std::int64_t u
     steering_.answered(*answer);
   if (const auto* const hello = std::get_if<hal::heard::Hello>(&message.what)) greet(*hello);
   if (const auto* const holder = std::get_if<hal::heard::Holder>(&message.what))
-    tell_holder(holder->name);
+    tell_holder(*holder);
   if (const auto* const world = std::get_if<hal::heard::World>(&message.what)) world_ = *world;
   if (const auto* const record = std::get_if<hal::StateRecord>(&message.what))
     publish_state(record->state.pose, unix_ns);
@@ -280,9 +280,9 @@ void FoxgloveConversation::greet(const hal::heard::Hello& hello) {
   choose();
 }
 
-void FoxgloveConversation::tell_holder(const std::optional<std::string>& name) {
-  steering_.held_by(name);
-  parameters_[std::string{kHolderParameter}] = dump(Json(name.value_or("")));
+void FoxgloveConversation::tell_holder(const hal::heard::Holder& holder) {
+  steering_.held_by(holder);
+  parameters_[std::string{kHolderParameter}] = dump(Json(holder.name.value_or("")));
   if (watched_.contains(std::string{kHolderParameter}))
     send_parameters({std::string{kHolderParameter}}, "");
 }

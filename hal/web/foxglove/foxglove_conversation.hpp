@@ -51,7 +51,7 @@ class FoxgloveConversation final : public Conversation {
   void fail_call(const client_message::ServiceCall& call, std::string_view text);
   void answer_call(const client_message::ServiceCall& call, const hal::heard::Answer& answer);
   void send_parameters(const std::set<std::string>& names, const std::string& id);
-  void tell_holder(const std::optional<std::string>& name);
+  void tell_holder(const hal::heard::Holder& holder);
 
   bool is_wanted(ChannelId channel) const;
   void publish(ChannelId channel, std::int64_t unix_ns, std::string_view payload);

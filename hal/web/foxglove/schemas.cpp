@@ -42,7 +42,7 @@ constexpr auto kMessages = std::to_array<MessageMembers>({
     {hal::FeedType::virtual_create, {{{"object", "state"}}}},
     {hal::FeedType::world,
      {{{"array", "walls boxes posts cliffs virtual_walls"}, {"number", "robot_radius_mm"}}}},
-    {hal::FeedType::holder, {{{"string", "name"}}}},
+    {hal::FeedType::holder, {{{"string", "name"}, {"integer", "lease"}}}},
     {hal::FeedType::missed, {{{"integer", "messages"}}}},
 });
 

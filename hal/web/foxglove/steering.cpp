@@ -41,6 +41,7 @@ bool Steering::drive(const Velocity& velocity, std::function<void(const std::str
            [this](const hal::heard::Answer& answer) {
              asks_for_lease_ = false;
              holds_ = answer.ok;
+             lease_ = answer.lease;
              if (holds_) {
                send_velocity();
              } else {
@@ -86,10 +87,10 @@ void Steering::answered(const hal::heard::Answer& answer) {
   done(answer);
 }
 
-void Steering::held_by(const std::optional<std::string>& name) {
-  if (holds_ && name != name_)
-    refuse(name ? *name + " steers now"
-                : "somebody has stopped the robot, or the lease was given back");
+void Steering::held_by(const hal::heard::Holder& holder) {
+  if (!holds_ || holder.lease == lease_) return;
+  if (!holder.name) return refuse("somebody has stopped the robot, or the lease was given back");
+  refuse((*holder.name == name_ ? "another " : "") + *holder.name + " steers now");
 }
 
 }  // namespace cargobay::web

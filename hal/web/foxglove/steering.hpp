@@ -53,7 +53,7 @@ class Steering {
 
   void answered(const hal::heard::Answer& answer);
   // Who steers has changed.
-  void held_by(const std::optional<std::string>& name);
+  void held_by(const hal::heard::Holder& holder);
 
  private:
   static constexpr std::size_t kMostUnanswered = 32;
@@ -67,6 +67,7 @@ class Steering {
   std::string name_ = "Foxglove";
   bool takes_ = false;
   bool holds_ = false;
+  std::uint64_t lease_ = 0;  // the number of ours
   bool asks_for_lease_ = false;
   bool must_let_go_ = false;
   std::optional<rt::TimePoint> heard_{};  // when the newest velocity came

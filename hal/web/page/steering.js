@@ -4,8 +4,9 @@
 import { byId, fixed, setAttribute, setText } from "./dom.js";
 import { warn } from "./status.js";
 
-const kEvery_ms = 100;
-const kRenew_ms = 200; // before setpoint or lease lapse
+const kEvery_ms = 100; // before the setpoint lapses
+
+const kStand = { do: "drive", velocity_mm_s: 0, turn_rate_rad_s: 0 };
 
 export class Steering {
   constructor(link) {
@@ -14,6 +15,7 @@ export class Steering {
     this.holding = false;
     this.losses = 0; // of the lease, or of the wish to have it
     this.holder = null;
+    this.lease = null; // the number of ours
     this.held = new Map(); // what is held, by its source: {forward, turn}, each -1 to 1
     this.timer = null;
     byId("name").value = storedName();
@@ -66,7 +68,7 @@ export class Steering {
     });
     this.link.addEventListener("holder", ({ detail }) => {
       this.holder = detail.name ?? null;
-      if (this.holding && this.holder !== this.name) this.#lostLease();
+      if (this.holding && detail.lease !== this.lease) this.#deprived();
       this.#show();
     });
     this.link.addEventListener("down", () => {
@@ -104,12 +106,13 @@ export class Steering {
     const answer = await this.#ask({ do: "hold", name: this.name, ...(taken && { take: true }) });
     if (!answer.ok) return;
     this.holding = true;
+    this.lease = answer.result?.lease;
     if (document.hidden || losses !== this.losses) {
       this.#giveBack(); // it was hidden, or stopped, while the answer was on its way
       return;
     }
     clearInterval(this.renewal);
-    this.renewal = setInterval(() => this.#renew(), kRenew_ms);
+    this.renewal = setInterval(() => this.#renew(), kEvery_ms);
     this.#show();
     warn("");
     byId("stick").focus({ preventScroll: true });
@@ -117,15 +120,24 @@ export class Steering {
   }
 
   // The lease lapses when its holder says nothing for a while. While nothing is held, this page
-  // asks for it again, which also shows whether it still has it, and for standing still.
+  // asks for standing still. It does not ask for the lease: that may just have ended with a stop.
   async #renew() {
     if (this.held.size > 0) return;
-    this.#stand();
-    const answer = await this.#ask({ do: "hold", name: this.name });
-    if (!answer.ok && this.holding) this.#lostLease();
+    const answer = await this.#answerTo(kStand);
+    if (answer.unanswered && this.holding) this.#giveBack();
   }
   #stand() {
-    if (this.holding) this.link.send({ do: "drive", velocity_mm_s: 0, turn_rate_rad_s: 0 });
+    if (this.holding) this.link.send(kStand);
+  }
+
+  // By somebody else, who may have the same name: so have two tabs of one browser.
+  #deprived() {
+    this.#lostLease();
+    if (this.holder !== null) {
+      warn(`${this.holder === this.name ? "Another " : ""}${this.holder} steers now.`);
+    } else if (byId("alert").hidden) { // or it says why
+      warn("You no longer steer: the robot was stopped.");
+    }
   }
 
   #giveBack() {
@@ -205,8 +217,7 @@ export class Steering {
   }
 }
 
-// A name that nobody else has, so that the holder is known by it. A browser that keeps nothing
-// makes another one each time.
+// A name by which people know this browser. One that keeps nothing makes another one each time.
 function storedName() {
   const made = `browser ${crypto.getRandomValues(new Uint16Array(1))[0].toString(36)}`;
   try {

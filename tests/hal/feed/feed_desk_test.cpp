@@ -71,6 +71,14 @@ TEST_F(FeedDeskTest, TakesThePosesOfTheCApi) {
   EXPECT_EQ(resets_, 1);
 }
 
+TEST_F(FeedDeskTest, SaysWhichLeaseItGives) {
+  const json first = say(R"({"do":"hold","name":"ann","id":1})");
+  EXPECT_EQ(first["result"]["lease"], desk_.lease().number());
+  EXPECT_EQ(say(R"({"do":"hold","name":"ann","id":2})")["result"], first["result"]);
+  (void)say(R"({"do":"stop"})");
+  EXPECT_NE(say(R"({"do":"hold","name":"ann","id":3})")["result"], first["result"]);
+}
+
 TEST_F(FeedDeskTest, StopsWhenTheLeaseLapses) {
   ASSERT_EQ(say(R"({"do":"hold","name":"ann","id":1})")["ok"], true);
   (void)say(R"({"do":"drive","left_mm_s":100,"right_mm_s":100})");

@@ -2,6 +2,7 @@
 #include "hal/feed/lease.hpp"
 
 #include <chrono>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +54,28 @@ TEST(Lease, IsRevokedForAll) {
   EXPECT_TRUE(lease.revoke());
   EXPECT_FALSE(lease.holds(kAnn));
   EXPECT_FALSE(lease.until());
+}
+
+TEST(Lease, HasANumberByWhichHoldersOfOneNameDiffer) {
+  Lease lease{seconds{3}};
+  EXPECT_EQ(lease.number(), 0U);
+  EXPECT_TRUE(lease.hold(kAnn, "page", false, kNow));
+  const std::uint64_t of_ann = lease.number();
+  EXPECT_NE(of_ann, 0U);
+  EXPECT_TRUE(lease.hold(kAnn, "page", false, kNow + seconds{1}));
+  EXPECT_EQ(lease.number(), of_ann) << "asking for it again is no other lease";
+  EXPECT_FALSE(lease.hold(kBob, "page", false, kNow));
+  EXPECT_EQ(lease.number(), of_ann);
+  EXPECT_TRUE(lease.hold(kBob, "page", true, kNow));
+  EXPECT_GT(lease.number(), of_ann);
+  const std::uint64_t of_bob = lease.number();
+  EXPECT_TRUE(lease.revoke());
+  EXPECT_EQ(lease.number(), 0U);
+  EXPECT_TRUE(lease.hold(kBob, "page", false, kNow));
+  EXPECT_GT(lease.number(), of_bob) << "there was a time without a holder";
+  const std::uint64_t again = lease.number();
+  EXPECT_TRUE(lease.hold(kBob, "bob", false, kNow));
+  EXPECT_GT(lease.number(), again) << "the name has changed";
 }
 
 }  // namespace
