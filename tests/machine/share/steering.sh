@@ -1,4 +1,7 @@
 #!/bin/sh
 # Has ada, an ordinary user of dialout, steer the robot from now on.
-systemctl is-active -q steer ||
-  systemd-run -q --collect --unit=steer --uid=ada python3 /share/steer.py 150
+# usage: steering.sh [FOLDER of the feed]
+folder=${1:-/run/cargobay}
+unit=steer${1:+-$(basename "$folder")}
+systemctl is-active -q "$unit" ||
+  systemd-run -q --collect "--unit=$unit" --uid=ada python3 /share/steer.py 150 "$folder"
