@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -22,6 +23,7 @@
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/view/progress.hpp"
+#include "hal/service/journal.hpp"
 #include "hal/service/service.hpp"
 #include "hal/service/service_manager.hpp"
 #include "hal/sim/line/server.hpp"
@@ -34,6 +36,7 @@ namespace {
 constexpr std::chrono::hours kPatience{24};  // for a port that is lost
 
 using Told = std::function<void(const std::string&)>;
+using Log = std::function<void(const hal::ServiceNews&)>;
 
 struct ServeOptions {
   DriveOptions drive{};  // those that say how the robot is wired and driven
@@ -94,6 +97,19 @@ class Announcement {
   bool said_ = false;
 };
 
+// With the fields that it can be searched by. What the journal does not take is printed.
+void log_to(const hal::Journal& journal, const std::string& port, const hal::ServiceNews& news) {
+  std::vector<hal::Journal::Field> fields{{"CARGOBAY_PORT", port}, {"CARGOBAY_EVENT", news.event}};
+  if (news.frames) {
+    fields.push_back({"CARGOBAY_FRAMES", std::to_string(news.frames->good)});
+    fields.push_back(
+        {"CARGOBAY_FRAMES_LOST", std::to_string(news.frames->lost + news.frames->bad)});
+  }
+  const auto priority =
+      news.event == "lost" ? hal::Journal::Priority::warning : hal::Journal::Priority::info;
+  if (!journal.tell(priority, news.text, fields)) print_remark(news.text);
+}
+
 int serve(const ServeOptions& options) {
   StopSignals signals;
   const auto fail = [](const hal::Failure& failure) {
@@ -122,8 +138,10 @@ int serve(const ServeOptions& options) {
     if (signal) manager.stopping();
     return signal.has_value();
   };
+  const hal::Journal journal;
+  const auto log = [&](const hal::ServiceNews& news) { log_to(journal, chosen->port, news); };
   const auto tell = [&](const std::string& what) {
-    print_remark(what);
+    if (!journal.is_there()) print_remark(what);
     manager.status(what);
   };
   // For who waits for this service it has started: it is there for what comes.
@@ -138,7 +156,8 @@ int serve(const ServeOptions& options) {
                                      .world = world ? &*world : nullptr,
                                      .patience = kPatience,
                                      .missing = options.wait ? missing : Told{},
-                                     .tell = tell});
+                                     .tell = tell,
+                                     .log = journal.is_there() ? log : Log{}});
   if (!service) return fail(service.failure());
   Announcement announcement{options, **service, manager};
   if (const auto begun = announcement.begin_web(); !begun) return fail(begun.failure());

@@ -13,6 +13,7 @@
 #include "hal/port/open_port.hpp"
 #include "hal/robot/reconnect.hpp"
 #include "hal/robot/side_command.hpp"
+#include "hal/sensing/events.hpp"
 #include "hal/sim/remote/control_socket.hpp"
 #include "oi/commands.hpp"
 #include "oi/parse.hpp"
@@ -26,6 +27,11 @@ namespace {
 constexpr rt::Duration kLookAt = std::chrono::milliseconds{50};
 
 constexpr const char* kNoRobot = "the robot is not under control now; the feed's status says why";
+
+bool may_come_with_each_frame(EventKind what) {
+  return what == EventKind::frames_lost || what == EventKind::limit_began ||
+         what == EventKind::limit_ended;
+}
 
 // Whole commands that leave the loop alone, and after which the robot hears what it is told.
 Result<std::vector<std::vector<std::uint8_t>>> commands_of(std::string_view text) {
@@ -99,9 +105,10 @@ Result<void> Service::run(const std::function<void()>& ready) {
     if (!farewell) return farewell.failure();
     if (farewell->end == CycleEnd::asked) {
       const std::string wrong = explain(*farewell);
+      log("ended", wrong.empty() ? "the robot stands: asked to end" : wrong);
       return wrong.empty() ? Result<void>{} : Failure{.message = wrong};
     }
-    tell(explain(*farewell));
+    tell("lost", explain(*farewell));
     if (auto learnt = (*robot)->learnt()) options_.robot.cycle.loop.estimator.prior = learnt;
     *robot = nullptr;  // gives its port back
     robot = bring_up_again(*farewell);
@@ -114,7 +121,7 @@ Result<Robot::Owned> Service::bring_up() {
   feed_->report("bring_up", "the robot is brought up");
   auto port = open_port(options_.chosen->port, options_.baud);
   if (!port) return port.failure();
-  if (!port->remark.empty()) tell(port->remark);
+  if (!port->remark.empty()) tell("bring_up", port->remark);
   // A pseudo-terminal that goes away does not come back under its name, unless a link leads to it.
   if (options_.patience > rt::Duration::zero() && !options_.chosen->create) {
     if (auto identity = identify(options_.chosen->port, serial_ports()))
@@ -128,11 +135,17 @@ Result<Robot::Farewell> Service::drive(Robot& robot, const std::function<void()>
   if (!grant) return grant.failure();
   become(&robot);
   feed_->follow(robot);
-  feed_->report("driving", "the loop runs, and the robot is steered by who holds the lease");
+  constexpr const char* kDriving = "the loop runs, and the robot is steered by who holds the lease";
+  feed_->report("driving", kDriving);
+  log("driving", kDriving);
   if (ready) ready();
-  while (!robot.ended() && !options_.robot.cancelled()) std::this_thread::sleep_for(kLookAt);
+  while (!robot.ended() && !options_.robot.cancelled()) {
+    std::this_thread::sleep_for(kLookAt);
+    log_events(robot);
+  }
   become(nullptr);
   const Robot::Farewell farewell = robot.stop();
+  log_events(robot);
   feed_->leave();
   feed_->report("lost", explain(farewell));
   return farewell;
@@ -147,9 +160,9 @@ Result<Robot::Owned> Service::bring_up_again(const Robot::Farewell& farewell) {
                            .baud = options_.baud,
                            .robot = options_.robot,
                            .patience = options_.patience,
-                           .tell = options_.tell});
+                           .tell = [this](const std::string& what) { tell("lost", what); }});
     if (!back) return back.failure();
-    if (!back->remark.empty()) tell(back->remark);
+    if (!back->remark.empty()) tell("bring_up", back->remark);
     return std::move(back->robot);
   }
   // A pseudo-terminal's number that is gone may come back as something else.
@@ -164,7 +177,10 @@ Result<Robot::Owned> Service::bring_up_in_time(
   std::string said;
   for (BackOff back_off;;) {
     if (failed) feed_->report("lost", failed->message);
-    if (failed && std::exchange(said, failed->message) != said) missing(said);
+    if (failed && std::exchange(said, failed->message) != said) {
+      missing(said);
+      log("lost", said);
+    }
     const rt::TimePoint next = rt::Clock::now() + back_off.next();
     while (rt::Clock::now() < next && !options_.robot.cancelled())
       std::this_thread::sleep_for(kLookAt);
@@ -200,8 +216,20 @@ bool Service::stream_what_is_watched() {
   return robot_->cycle().request(request);
 }
 
-void Service::tell(const std::string& what) const {
+void Service::tell(const std::string& event, const std::string& what) const {
   if (options_.tell) options_.tell(what);
+  log(event, what);
+}
+
+void Service::log(const std::string& event, const std::string& what) const {
+  if (options_.log) options_.log({.event = event, .text = what, .frames = frames_});
+}
+
+void Service::log_events(Robot& robot) {
+  frames_ = robot.cycle().counters().frames;
+  for (Event event; robot.next_event(event);) {
+    if (!may_come_with_each_frame(event.what)) log(std::string{name(event.what)}, describe(event));
+  }
 }
 
 Result<void> Service::steer(const rt::WheelSpeeds& speeds) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/cycle/cycle_state.hpp"
 #include "hal/feed/feed.hpp"
 #include "hal/port/port_identity.hpp"
 #include "hal/result.hpp"
@@ -17,6 +18,14 @@
 #include "rt/clock.hpp"
 
 namespace cargobay::hal {
+
+// What happens, for a log.
+struct ServiceNews {
+  std::string event{};  // a stage of docs/feed.md, or the name of an event of the robot
+  std::string text{};   // for people, one line
+  // Of the newest loop, so far; none before the first.
+  std::optional<FrameCounters> frames{};
+};
 
 struct ServiceOptions {
   std::string program{};  // what the readers of the feed are told
@@ -31,6 +40,9 @@ struct ServiceOptions {
   std::function<void(const std::string&)> missing{};
   // Called with one line each: what happens to the link. On run()'s thread.
   std::function<void(const std::string&)> tell{};
+  // Called with the same, and with what the robot notices, except for what may come with every
+  // frame of a bad line. On run()'s thread.
+  std::function<void(const ServiceNews&)> log{};
 };
 
 class Service {
@@ -76,10 +88,13 @@ class Service {
   Result<void> rearm();
   Result<void> reset_odometry(const rt::OdometryPose& pose);
   void stop();
-  void tell(const std::string& what) const;
+  void tell(const std::string& event, const std::string& what) const;
+  void log(const std::string& event, const std::string& what) const;
+  void log_events(Robot& robot);
 
   ServiceOptions options_;
   std::optional<PortIdentity> identity_{};  // of a port that may come back
+  std::optional<FrameCounters> frames_{};   // of the newest loop
   std::mutex mutex_;
   bool watched_ = false;          // some reader of the feed gets the sensors
   Robot* robot_ = nullptr;        // while its loop runs: the feed's thread steers it
