@@ -81,8 +81,10 @@ if(TARGET cargobay)
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/fish/vendor_completions.d COMPONENT command)
   # The same on every architecture, so not in CMAKE_INSTALL_LIBDIR.
   install(FILES examples/system/60-cargobay.rules DESTINATION lib/udev/rules.d COMPONENT command)
+  include(.cmake/serve_template.cmake)
+  serve_template(examples/system/cargobay-serve.service ${install_dir}/cargobay-serve@.service)
   install(FILES examples/system/cargobay@.service examples/system/cargobay-serve.service
-    DESTINATION lib/systemd/system COMPONENT command)
+    ${install_dir}/cargobay-serve@.service DESTINATION lib/systemd/system COMPONENT command)
   set(examples_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/cargobay/examples)
   install(FILES examples/system/cargobay.toml DESTINATION ${examples_dir} COMPONENT command)
   install(FILES ${worlds} DESTINATION ${examples_dir}/worlds COMPONENT command)

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "hal/file/unix_listener.hpp"
 
@@ -21,13 +22,28 @@ namespace cargobay::hal {
 namespace {
 
 constexpr mode_t kOwnersAlone = S_IRWXU;
-// Only root can have made it.
+// Of the service; those of others, one for each of several robots, have a name after it. Only root
+// can have made them.
 constexpr const char* kFolderOfService = "/run/cargobay";
+constexpr const char* kFolderOfServices = "/run";
 
 std::optional<std::string> environment(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): only read
   if (value == nullptr || *value == '\0') return std::nullopt;
   return value;
+}
+
+// The first of those that systemd made. It puts colons between them, and a backslash before each
+// colon and backslash in their names.
+std::optional<std::string> folder_of_this_service() {
+  const auto folders = environment("RUNTIME_DIRECTORY");
+  if (!folders) return std::nullopt;
+  std::string first;
+  for (std::size_t i = 0; i < folders->size() && (*folders)[i] != ':'; ++i) {
+    if ((*folders)[i] == '\\' && i + 1 < folders->size()) ++i;
+    first += (*folders)[i];
+  }
+  return first;
 }
 
 std::string folder_in_tmp(uid_t user) { return "/tmp/cargobay-" + std::to_string(user); }
@@ -48,21 +64,10 @@ bool can_write(const std::string& folder) {
 std::vector<std::string> own_folders() {
   std::vector<std::string> folders;
   if (auto named = environment("CARGOBAY_FEED_DIR")) return {*named};
-  // Of several folders, systemd puts colons between.
-  if (auto of_service = environment("RUNTIME_DIRECTORY"))
-    folders.push_back(of_service->substr(0, of_service->find(':')));
+  if (auto of_service = folder_of_this_service()) folders.push_back(std::move(*of_service));
   if (auto of_user = environment("XDG_RUNTIME_DIR")) folders.push_back(*of_user + "/cargobay");
   if (geteuid() == 0) folders.emplace_back(kFolderOfService);
   folders.push_back(folder_in_tmp(geteuid()));
-  return folders;
-}
-
-std::vector<std::string> folders_to_search() {
-  std::vector<std::string> folders = own_folders();
-  if (environment("CARGOBAY_FEED_DIR")) return folders;
-  for (const std::string& other : {std::string{kFolderOfService}, folder_in_tmp(0)}) {
-    if (std::ranges::find(folders, other) == folders.end()) folders.push_back(other);
-  }
   return folders;
 }
 
@@ -76,6 +81,33 @@ std::vector<std::string> names_in(const std::string& folder) {
   }
   std::ranges::sort(names);
   return names;
+}
+
+// "/run/cargobay", "/run/cargobay-ttyUSB0".
+bool is_of_service(const std::string& folder) {
+  const std::string first = kFolderOfService;
+  return folder == first ||
+         (folder.starts_with(first + "-") && folder.find('/', first.size()) == std::string::npos);
+}
+
+std::vector<std::string> folders_of_services() {
+  std::vector<std::string> folders;
+  for (const std::string& name : names_in(kFolderOfServices)) {
+    std::string folder = std::string{kFolderOfServices} + "/" + name;
+    if (is_of_service(folder)) folders.push_back(std::move(folder));
+  }
+  return folders;
+}
+
+std::vector<std::string> folders_to_search() {
+  std::vector<std::string> folders = own_folders();
+  if (environment("CARGOBAY_FEED_DIR")) return folders;
+  std::vector<std::string> others = folders_of_services();
+  others.push_back(folder_in_tmp(0));
+  for (const std::string& other : others) {
+    if (std::ranges::find(folders, other) == folders.end()) folders.push_back(other);
+  }
+  return folders;
 }
 
 }  // namespace
@@ -112,8 +144,7 @@ Result<std::string> feed_folder() {
 void leave_folder(const std::string& folder) {
   // These are there for more than one feed.
   if (environment("CARGOBAY_FEED_DIR") == folder) return;
-  const auto of_service = environment("RUNTIME_DIRECTORY");
-  if (of_service && of_service->substr(0, of_service->find(':')) == folder) return;
+  if (folder_of_this_service() == folder) return;
   (void)rmdir(folder.c_str());  // unless others publish there too
 }
 
@@ -122,16 +153,16 @@ bool is_trusted_peer(int socket, const std::string& path) {
   socklen_t size = sizeof peer;
   if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return false;
   if (peer.uid == geteuid() || peer.uid == 0) return true;
-  struct stat folder{};
-  return path.starts_with(std::string{kFolderOfService} + "/") &&
-         lstat(kFolderOfService, &folder) == 0 && S_ISDIR(folder.st_mode) &&
-         (folder.st_mode & (S_IWGRP | S_IWOTH)) == 0 && peer.uid == folder.st_uid;
+  const std::string folder = path.substr(0, path.rfind('/'));
+  struct stat status{};
+  return is_of_service(folder) && lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
+         (status.st_mode & (S_IWGRP | S_IWOTH)) == 0 && peer.uid == status.st_uid;
 }
 
 std::vector<FoundFeed> find_feeds() {
   std::vector<FoundFeed> feeds;
   for (const std::string& folder : folders_to_search()) {
-    if (!is_trustworthy(folder) && folder != kFolderOfService) continue;
+    if (!is_trustworthy(folder) && !is_of_service(folder)) continue;
     for (const std::string& name : names_in(folder)) {
       std::string path = folder;
       (path += '/') += name;

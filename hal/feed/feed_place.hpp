@@ -23,7 +23,7 @@ Result<std::string> feed_folder();
 void leave_folder(const std::string& folder);
 
 // Whether what listens at `path`, the other end of `socket`, is a process of this user, of root, or
-// of the user whom root has given the folder of the service, /run/cargobay.
+// of the user whom root has given the folder of a service, /run/cargobay or /run/cargobay-PORT.
 bool is_trusted_peer(int socket, const std::string& path);
 
 struct FoundFeed {
