@@ -211,6 +211,8 @@ This package contains the Python package cargobay, and examples.")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME ${package_command})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION electronics)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "cargobay-web")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_CONTROL_EXTRA ${packaging_dir}/command/postinst
+  ${packaging_dir}/command/prerm ${packaging_dir}/command/postrm)
 # rsvg-convert makes PNGs of drawings.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, cargobay")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS "python3-cargobay, librsvg2-bin")

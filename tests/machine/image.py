@@ -24,13 +24,15 @@ FILES = {
     "etc/systemd/system/test-shell.service": """[Unit]
 Description=A shell for the test, on the second serial line
 [Service]
-ExecStart=/bin/sh -c 'stty -echo -onlcr; echo; echo "@@booted"; exec env PS1= PS2= HOME=/root LC_ALL=C.UTF-8 sh'
+ExecStart=/bin/sh -c 'stty -echo -onlcr; echo; echo "@@booted"; exec env PS1= PS2= HOME=/root LC_ALL=C.UTF-8 SYSTEMD_COLORS=0 sh'
 StandardInput=tty
 StandardOutput=tty
 StandardError=tty
 TTYPath=/dev/ttyS1
 TTYReset=yes
 IgnoreSIGPIPE=no
+# A shell at a terminal takes no notice of SIGTERM.
+KillSignal=SIGHUP
 [Install]
 WantedBy=basic.target
 """,

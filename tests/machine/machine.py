@@ -72,7 +72,6 @@ class Machine:
 
     def booted(self) -> None:
         self.shell.wait_for(r"@@booted\n", BOOT_S)
-        self.shell.run("export SYSTEMD_COLORS=0")
 
     def processes(self) -> list[int]:
         """That have to run for the machine to get on."""

@@ -1,5 +1,6 @@
 // The program cargobay-web.
 
+#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -26,6 +27,14 @@ constexpr int kUsageError = 2;
 int fail(const std::string& message, int code = EXIT_FAILURE) {
   (void)std::fprintf(stderr, "cargobay-web: %s\n", message.c_str());
   return code;
+}
+
+// If memory runs out, it is killed before the process that drives the robot and before the guard,
+// whose places in the kernel's order a service gives to its children too.
+void give_way_for_memory() {
+  const hal::Descriptor file{open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC)};
+  char sign = 0;
+  if (read(file.number(), &sign, 1) == 1 && sign == '-') (void)!write(file.number(), "0", 1);
 }
 
 // Readable when the process is to end.
@@ -83,7 +92,10 @@ int main(int count, char** arguments) {
   if (!options) return fail(options.failure().message, kUsageError);
   if (options->is_over) return EXIT_SUCCESS;
   // Who starts this with a descriptor is a program, and does not want it to outlive that.
-  if (options->ready >= 0) (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (options->ready >= 0) {
+    (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
+    give_way_for_memory();
+  }
   (void)std::signal(SIGPIPE, SIG_IGN);
   const hal::Descriptor stop = ends();
   auto wanted = server_options(*options);
