@@ -24,14 +24,17 @@ function(serve_template unit template)
   math(EXPR length "${after} - ${page}")
   string(SUBSTRING "${text}" ${page} ${length} exec)
   instead("${exec}" "\
-# Settings of this robot alone, pins or wheel base, are in /etc/cargobay/%I/cargobay.toml.
-Environment=XDG_CONFIG_HOME=/etc/cargobay/%I
+# The port. For an adapter wherever it is plugged in, the instance is any name, and here it needs
+#   Environment=CARGOBAY_PORT=/dev/serial/by-id/...
+Environment=CARGOBAY_PORT=/dev/%i
+# Settings of this robot alone, pins or wheel base, are in /etc/cargobay/%i/cargobay.toml.
+Environment=XDG_CONFIG_HOME=/etc/cargobay/%i
 # Without a page: two cannot have one port. For one, on a port of its own, it needs here
 #   Environment=\"CARGOBAY_PAGE=--token-file %t/cargobay-%i/token --http 127.0.0.1:8081\"
 Environment=CARGOBAY_PAGE=--no-http
-ExecStart=/usr/bin/cargobay serve --wait --port /dev/%I $CARGOBAY_PAGE
+ExecStart=/usr/bin/cargobay serve --wait --port $CARGOBAY_PORT $CARGOBAY_PAGE
 ")
-  instead("iRobot Create, to be watched and steered" "iRobot Create at /dev/%I, to be watched and steered")
+  instead("iRobot Create, to be watched and steered" "iRobot Create (%i), to be watched and steered")
   instead("StateDirectory=cargobay/serve\n" "StateDirectory=cargobay/serve-%i\n")
   instead("WorkingDirectory=%S/cargobay/serve\n" "WorkingDirectory=%S/cargobay/serve-%i\n")
   instead("RuntimeDirectory=cargobay\n" "RuntimeDirectory=cargobay-%i\n")
@@ -39,10 +42,9 @@ ExecStart=/usr/bin/cargobay serve --wait --port /dev/%I $CARGOBAY_PAGE
     "/var/lib/cargobay/serve-PORT, the socket of its feed in /run/cargobay-PORT,")
   file(CONFIGURE OUTPUT ${template} @ONLY CONTENT "\
 # Runs `cargobay serve` for one of several robots; cargobay-serve is for a single one. The instance is
-# the port below /dev; `systemd-escape serial/by-id/NAME` writes one that has a slash or a dash.
+# the port below /dev, or a name, see below.
 #
 #   systemctl enable --now cargobay-serve@ttyUSB0 cargobay-serve@ttyUSB1
-#   systemctl enable --now cargobay-serve@$(systemd-escape serial/by-id/NAME)
 #
 # Members of the group dialout can then use `cargobay top` and `teleop`, each with its --port. What
 # holds for all robots comes from /etc/cargobay.toml. Put changes into
