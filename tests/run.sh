@@ -47,10 +47,8 @@ report() {
     tail -n 40 | sed 's/^/    /' || true
 }
 
-# conclude NAME STATUS SECONDS PROCESSOR: reports a stage, and counts it as one check; if it ran
-# tests, counts each of them.
-conclude() {
-  [[ ! -e $logs/$1.xml ]] || { conclude_tests "$@"; return; }
+# count NAME STATUS SECONDS PROCESSOR: as one check.
+count() {
   case $2 in
     0) passed=$((passed + 1)) ;;
     77) skipped=$((skipped + 1)) ;;
@@ -60,9 +58,54 @@ conclude() {
   return "$2"
 }
 
-conclude_tests() {
-  local junit=$logs/$1.xml status=$2 head total bad idle
-  head=$(tr '\n' ' ' < "$junit" | grep -oE '<testsuite [^>]*>' | head -n 1) || head=''
+# stage NAME COMMAND...: now.
+stage() {
+  local name=$1 begin=$SECONDS status=0 used before
+  shift
+  processor
+  before=$used
+  "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
+  processor
+  count "$name" "$status" $((SECONDS - begin)) $((used - before))
+}
+
+# background NAME COMMAND...: runs it, and leaves the result for await.
+background() {
+  local name=$1 begin=$SECONDS status=0 used before
+  shift
+  processor
+  before=$used
+  "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
+  processor
+  echo "$status $((SECONDS - begin)) $((used - before))" > "$logs/$name.status.new"
+  mv "$logs/$name.status.new" "$logs/$name.status"
+}
+
+# await NAME: waits until the builder has done it, and counts it.
+await() {
+  local status seconds used
+  while [[ ! -e $logs/$1.status ]] && kill -0 "$builder" 2> /dev/null; do sleep 0.5; done
+  # No status, and nothing left that could write one: the builder died.
+  read -r status seconds used 2> /dev/null < "$logs/$1.status" || status=1 seconds=0 used=0
+  count "$1" "$status" "$seconds" "$used"
+}
+
+# tests PRESET CTEST-ARGUMENT...: counts every test.
+tests() {
+  local preset=$1 begin=$SECONDS status=0 junit head total bad idle used before
+  shift
+  processor
+  before=$used
+  local name=$preset-tests
+  junit=$logs/$name.xml
+  rm -f "$junit"
+  # Most wait for a robot, and one that computes counts as two. Beside compilers, programs of real
+  # time fail if there are more of them than processors; afterwards, twice as many run.
+  local parallel=$jobs
+  kill -0 "${builder:-0}" 2> /dev/null || parallel=$((2 * jobs))
+  ctest --preset "$preset" -j "$parallel" --output-junit "$junit" --test-output-size-passed 100000 "$@" \
+    > "$logs/$name.log" 2>&1 < /dev/null || status=$?
+  head=$(tr '\n' ' ' < "$junit" 2> /dev/null | grep -oE '<testsuite [^>]*>' | head -n 1) || head=''
   attribute() { sed -nE "s/.*[[:space:]]$1=\"([0-9]+)\".*/\1/p" <<< "$head"; }
   total=$(attribute tests) bad=$(attribute failures) idle=$(($(attribute skipped) + $(attribute disabled)))
   total=${total:-0} bad=${bad:-0}
@@ -70,71 +113,12 @@ conclude_tests() {
   ((total > 0)) || status=1
   if ((status != 0 && bad == 0)); then bad=1 total=$((total + 1)); fi
   passed=$((passed + total - bad - idle)) failed=$((failed + bad)) skipped=$((skipped + idle))
-  report "$1" "$status" "$3" "$4" "$((total - bad - idle)) passed, $bad failed, $idle skipped"
-  ((status == 0)) || said_by_failed "$logs/$1.log"
+  processor
+  report "$name" "$status" $((SECONDS - begin)) $((used - before)) \
+    "$((total - bad - idle)) passed, $bad failed, $idle skipped"
+  ((status == 0)) || said_by_failed "$logs/$name.log"
   grep -ahoE '^again: .*' "$junit" | sed -E 's/^again: (.*gtest_filter=)?/    again: /; s/ --gtest[^ :]*//g' || true
-  ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$1.log" | sort -u | sed 's/^/    /'
-  return "$status"
-}
-
-# measured NAME COMMAND...: runs it; its output is the log of that name. Sets status, seconds and
-# used (processor).
-measured() {
-  local name=$1 begin=$SECONDS before
-  shift
-  processor
-  before=$used status=0
-  "$@" > "$logs/$name.log" 2>&1 < /dev/null || status=$?
-  processor
-  used=$((used - before)) seconds=$((SECONDS - begin))
-}
-
-# stage NAME COMMAND...: now.
-stage() {
-  local status seconds used
-  measured "$@"
-  conclude "$1" "$status" "$seconds" "$used"
-}
-
-# background NAME COMMAND...: runs it, and leaves the result for await.
-background() {
-  local status seconds used
-  measured "$@"
-  echo "$status $seconds $used" > "$logs/$1.status.new"
-  mv "$logs/$1.status.new" "$logs/$1.status"
-}
-
-# await NAME: waits until the builder has done it, and concludes it.
-await() {
-  local status seconds used
-  while [[ ! -e $logs/$1.status ]] && kill -0 "$builder" 2> /dev/null; do sleep 0.5; done
-  # No status, and nothing left that could write one: the builder died.
-  read -r status seconds used 2> /dev/null < "$logs/$1.status" || status=1 seconds=0 used=0
-  conclude "$1" "$status" "$seconds" "$used"
-}
-
-# Labels of tests that watch no clock, and those that have stages of their own.
-virtual='(unit|sim)(_slow)?'
-apart='pi'
-
-# ctests NAME PRESET PLACES CTEST-ARGUMENT...: for a stage of that name.
-ctests() {
-  local name=$1 preset=$2 places=$3
-  shift 3
-  ctest --preset "$preset" -j "$places" --no-tests=error --output-junit "$logs/$name.xml" \
-    --test-output-size-passed 100000 "$@"
-}
-
-# computing_tests PRESET: as many as there are processors, for each takes two places.
-computing_tests() {
-  background "$1-virtual" ctests "$1-virtual" "$1" $((2 * jobs)) -L "^$virtual\$"
-}
-
-# clock_tests PRESET: programs of real time, which mostly wait. One more than there are processors
-# leaves the builder most of them; with none left, it would hold locks of the kernel that the tests
-# wait for.
-clock_tests() {
-  stage "$1-tests" ctests "$1-tests" "$1" $((jobs + 1)) -LE "^($virtual|$apart)\$" || true
+  ((idle == 0)) || grep -aE '\*\*\*(Skipped|Not Run)|^ *SKIPPED' "$logs/$name.log" | sort -u | sed 's/^/    /'
 }
 
 # said_by_failed LOG: of ctest, the last lines of each test that failed.
@@ -152,8 +136,6 @@ said_by_failed() {
 
 # build PRESET [CMAKE-ARGUMENT...]
 build() { cmake --preset "$@" && cmake --build --preset "$1" -j "$jobs"; }
-# Lists the tests too, which two runs at a time would do both, into the same files.
-build_tests() { build "$1" && ctest --preset "$1" --show-only; }
 build_quick() { cmake --preset dev && cmake --build --preset quick -j "$jobs"; }
 
 # fuzz_one TARGET: for some seconds, from its corpus.
@@ -191,7 +173,7 @@ finish() {
 
 if ((quick)); then
   stage install .ci/packages.sh quick || { finish; exit 1; }
-  if stage quick-build build_quick; then stage quick-tests ctests quick-tests quick $((2 * jobs)) || true; fi
+  if stage quick-build build_quick; then tests quick; fi
   stage format tests/lint.sh --format || true
   finish
   exit
@@ -217,44 +199,25 @@ pi_build() {
   pi "$1" --build
 }
 
-# All that watches no clock, in the order in which the rest needs it.
+# All that watches no clock, in the order in which the tests need it.
 build_and_check() {
   local suite preset
-  # Waits for the network, so it may run beside a compiler.
-  background package-root package_root &
-  background dev-build build_tests dev
-  computing_tests dev
+  background dev-build build dev
   background package-arm64 .ci/package.sh arm64
   for suite in bookworm trixie; do background "pi-$suite-build" pi_build "$suite"; done
-  for preset in asan tsan rtsan; do background "$preset-build" build_tests "$preset"; done
+  for preset in asan tsan rtsan; do background "$preset-build" build "$preset"; done
   background "package-$native" .ci/package.sh "$native"
-  for preset in asan tsan rtsan; do computing_tests "$preset"; done
   # Whether it compiles for 32 bit; optimised, the same code has just been compiled for 64.
   background armhf-build build armhf -D CMAKE_CXX_FLAGS_RELEASE=-O0
-  background c-api docs/c-api.sh --check
   background lint tests/lint.sh
-  # Last, when it is alone: it does what it can in a given time.
-  background fuzz-run fuzz
-  wait
+  background c-api docs/c-api.sh --check
 }
 
-as_root=()
-(($(id -u) == 0)) || as_root=(sudo -n)
-root=build/package-root
-# package_use [--prepare]: the packages on a Debian that package_root has made, fresh each time.
-package_use() {
-  ${as_root[@]+"${as_root[@]}"} env CARGOBAY_ROOT="$PWD/$root" tests/install/package_test.sh "$@" build/packages
-}
-package_root() {
-  ${as_root[@]+"${as_root[@]}"} rm -rf --one-file-system "$root"
-  package_use --prepare
-}
-
-rm -f "$logs"/*.status "$logs"/*.xml
 stage install .ci/packages.sh test || { finish; exit 1; }
-# What watches a clock spends most of its time waiting for a robot. Meanwhile everything else is
-# done in the background, by SCHED_IDLE: with the processor time that is left. It is a process group
-# of its own, so that it can be ended as a whole.
+# The tests spend most of their time waiting for a robot. Meanwhile everything is built in the
+# background, by SCHED_IDLE: with the processor time that the tests leave. It is a process group of
+# its own, so that it can be ended as a whole.
+rm -f "$logs"/*.status
 set -m
 (chrt --idle --pid 0 $BASHPID; build_and_check) &
 builder=$!
@@ -263,10 +226,7 @@ trap 'kill -- -"$builder" 2> /dev/null || true' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-if await dev-build; then
-  clock_tests dev
-  await dev-virtual || true
-fi
+if await dev-build; then tests dev -LE '^pi$'; fi
 # An emulated machine needs a processor for itself, and leaves the other to the builder.
 for suite in bookworm trixie; do
   if await "pi-$suite-build"; then
@@ -277,10 +237,12 @@ if await package-arm64; then
   stage package-pi tests/pi/package_test.py "$here" build/pi build/packages || true
 fi
 for preset in asan tsan rtsan; do
-  if await "$preset-build"; then clock_tests "$preset"; fi
+  if await "$preset-build"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
 done
-if await package-root && await "package-$native"; then
-  stage package-use package_use || true
-fi
-for name in {asan,tsan,rtsan}-virtual armhf-build c-api lint fuzz-run; do await "$name" || true; done
+stage fuzz-run fuzz || true
+as_root=()
+(($(id -u) == 0)) || as_root=(sudo -n)
+await "package-$native" || true
+stage package-use ${as_root[@]+"${as_root[@]}"} tests/install/package_test.sh build/packages || true
+for name in armhf-build lint c-api; do await "$name" || true; done
 finish

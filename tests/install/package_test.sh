@@ -1,25 +1,22 @@
 #!/usr/bin/env bash
 # Installs the packages on a minimal Debian in a folder, uses them, and removes them again.
-# usage: tests/install/package_test.sh [--prepare] FOLDER_WITH_DEBS [bookworm|trixie]
-#   --prepare  only makes that Debian and downloads compilers for it; there need be no packages yet
+# usage: tests/install/package_test.sh FOLDER_WITH_DEBS [bookworm|trixie]
 # Without a release: the one of this machine. Needs root and debootstrap. CARGOBAY_ROOT=FOLDER keeps
 # the root there: an empty folder is filled, a filled one reused. CARGOBAY_MIRROR is the package
 # archive.
 set -euo pipefail
 
 usage() {
-  sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
+  sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
   exit 2
 }
-prepare=0
-if [[ ${1:-} == --prepare ]]; then prepare=1 && shift; fi
 (($# == 1 || $# == 2)) || usage
 architecture=$(dpkg --print-architecture)
 release=${2:-$(. /etc/os-release && echo "${VERSION_CODENAME:-}")}
 shopt -s nullglob
 packages=("$1"/*cargobay*_"$architecture".deb "$1"/python3-cargobay_*_all.deb)
 shopt -u nullglob
-((prepare || ${#packages[@]} == 5)) ||
+((${#packages[@]} == 5)) ||
   { echo "package_test.sh: $1 has ${#packages[@]} packages for $architecture, not 5" >&2; exit 2; }
 (($(id -u) == 0)) || { echo "package_test.sh: needs root, for debootstrap and chroot" >&2; exit 1; }
 
@@ -66,6 +63,9 @@ if [[ ! -x $root/bin/bash ]]; then
   echo "ok      debootstrap --variant=minbase $release"
 fi
 cp /etc/resolv.conf "$root/etc/resolv.conf"
+rm -rf "$root/packages"
+mkdir -p "$root/packages"
+cp "${packages[@]}" "$root/packages"
 
 try_mount() {
   local target=${*: -1}
@@ -102,16 +102,6 @@ nothing_left() {
   return "$same"
 }
 
-compilers='apt-get install -q -y --no-install-recommends gcc g++ make cmake pkg-config python3 lintian'
-if ((prepare)); then
-  step "package lists" inside 'apt-get update -q'
-  step "download of compilers" inside "$compilers --download-only"
-  exit
-fi
-
-rm -rf "$root/packages"
-mkdir -p "$root/packages"
-cp "${packages[@]}" "$root/packages"
 install='apt-get install -q -y --no-install-recommends /packages/*.deb'
 purge='apt-get purge -q -y --autoremove cargobay cargobay-web python3-cargobay libcargobay-dev libcargobay0'
 
@@ -140,7 +130,7 @@ step "nothing is left" nothing_left
 
 # Then, what is needed to build programs.
 step "compiler, CMake, Python, lintian" \
-  inside "$compilers"
+  inside 'apt-get install -q -y --no-install-recommends gcc g++ make cmake pkg-config python3 lintian'
 files > "$log.before"
 step "apt-get install" inside "$install"
 examples=/usr/share/doc/libcargobay-dev/examples
