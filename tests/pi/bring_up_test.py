@@ -103,6 +103,7 @@ def drives_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
         stopped = result and any(event["what"] == "silence_began" for event in result["events"])
         if result and not result["succeeded"] and stopped and held_up_ms >= DISTURBED_MS and not last:
             print(f"  it ended; the machine held the Pi up for {held_up_ms:.0f} ms: once more")
+            check_stopped(robot)
             continue
         check(result is not None and result["succeeded"], "cargobay drive succeeds", text)
         if not result or not result["succeeded"]:
@@ -124,11 +125,15 @@ def drives_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> None:
 
 def check_end(robot: VirtualCreate, result: dict) -> None:
     check(result["frames_good"] > 300, f"frames good: {result['frames_good']}")
-    state = robot.state()
-    check(state["mode"] == "passive", f"left in mode {state['mode']}")
-    check(all(speed == 0 for speed in state["commanded_mm_s"].values()), "with the wheels stopped")
+    check(robot.state()["mode"] == "passive", f"left in mode {robot.state()['mode']}")
+    check_stopped(robot)
     lost = result["bytes_lost"]
     check(lost == 0, f"bytes the robot could not read: {lost}")
+
+
+def check_stopped(robot: VirtualCreate) -> None:
+    speeds = robot.state()["commanded_mm_s"].values()
+    check(all(speed == 0 for speed in speeds), "with the wheels stopped")
 
 
 def drive_at_19200(pi: EmulatedPi, robot: VirtualCreate) -> tuple[dict | None, str]:
