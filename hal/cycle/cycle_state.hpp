@@ -33,7 +33,8 @@ enum class CycleEnd : std::uint8_t {
 
 // One tick of the loop, as others see it.
 struct CycleState {
-  std::int64_t tick = 0;     // of the robot, since the first frame
+  // Of the robot, since the first frame. The same as before if this frame had been given up.
+  std::int64_t tick = 0;
   rt::TimePoint arrival{};   // of the frame, on the stream's clock
   rt::WheelSpeeds target{};  // as asked for; 0 if nothing valid was
   rt::WheelSpeeds set{};     // after the acceleration limit

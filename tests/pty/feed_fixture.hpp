@@ -27,9 +27,10 @@ class Watcher {
       return reader_.has_value();
     }));
   }
-  // The next message for which `matches` is true; null after 10 s, or when the feed has ended.
-  json next(const std::function<bool(const json&)>& matches) {
-    const rt::TimePoint deadline = rt::Clock::now() + std::chrono::seconds{10};
+  // The next message for which `matches` is true; null after `wait`, or when the feed has ended.
+  json next(const std::function<bool(const json&)>& matches,
+            rt::Duration wait = std::chrono::seconds{10}) {
+    const rt::TimePoint deadline = rt::Clock::now() + wait;
     while (reader_) {
       const auto line = reader_->next(deadline);
       if (!line || !*line) break;

@@ -44,14 +44,20 @@ bool is_pty_path(std::string_view path) {
   return !path.empty() && path.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-bool exists(const std::string& path) {
-  struct stat status{};
-  return lstat(path.c_str(), &status) == 0;
+bool before(const timespec& one, const timespec& other) {
+  return one.tv_sec != other.tv_sec ? one.tv_sec < other.tv_sec : one.tv_nsec < other.tv_nsec;
+}
+
+// Whether the pseudo-terminal for which the link was made is gone. The next one to be opened gets
+// its name: the link then leads to a terminal that is younger than itself. (The kernel keeps no
+// time of birth for a terminal, but that of the last change of owner or rights.)
+bool outlives(const struct stat& link, const std::string& target) {
+  struct stat terminal{};
+  return lstat(target.c_str(), &terminal) != 0 || before(link.st_mtim, terminal.st_ctim);
 }
 
 // Why the file at the link's path must stay, and what to do; nothing if it is a link that a dead
-// virtual Create left behind. A link to `ours`, the new pseudo-terminal, is one of those: it was
-// left when that name belonged to another pseudo-terminal.
+// virtual Create left behind. A link to `ours`, the new pseudo-terminal, is one of those.
 std::optional<std::string> reason_to_keep(const std::string& link, const std::string& ours) {
   constexpr const char* kRemedy = ": remove it or name another";
   struct stat status{};
@@ -61,7 +67,7 @@ std::optional<std::string> reason_to_keep(const std::string& link, const std::st
   if (!is_pty_path(target))
     return "it points to " + target + ", which is not a virtual Create" + kRemedy;
   if (status.st_uid != geteuid()) return std::string{"it is another user's"} + kRemedy;
-  if (target == ours || !exists(target)) return std::nullopt;
+  if (target == ours || outlives(status, target)) return std::nullopt;
   return "it points to " + target +
          ", which is in use: end the `cargobay sim` that serves it, or name another link (if it is "
          "another program's, remove the link)";
