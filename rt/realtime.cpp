@@ -77,6 +77,13 @@ int create(pthread_t& thread, Memory stack, std::function<void()>& body, int fif
 
 }  // namespace
 
+void keep_off(int cpu) {
+  cpu_set_t cpus;
+  if (cpu < 0 || cpu >= CPU_SETSIZE || sched_getaffinity(0, sizeof cpus, &cpus) != 0) return;
+  CPU_CLR(static_cast<unsigned>(cpu), &cpus);
+  if (CPU_COUNT(&cpus) > 0) (void)sched_setaffinity(0, sizeof cpus, &cpus);
+}
+
 std::string describe_memory(const RealtimeGrant& grant) {
   if (!grant.memory_locked) return "memory not locked";
   if (grant.lock_limit_bytes == 0) return "memory locked";

@@ -39,6 +39,9 @@ struct RealtimeGrant {
   // What the loop needs to be called real-time.
   bool complete() const { return fifo && memory_locked; }
 };
+// Leaves this CPU to others from now on: the calling thread, and threads and processes that it
+// starts later. Does nothing if the kernel refuses, or if no other CPU is left. Does not block.
+void keep_off(int cpu);
 // "memory locked", "the loop's memory locked: 3.1 of 8 MiB allowed", "memory not locked".
 std::string describe_memory(const RealtimeGrant& grant);
 // What was refused, why, and what to do about it: one line per refusal, newline included; empty if

@@ -81,6 +81,15 @@ background() {
   mv "$logs/$name.status.new" "$logs/$name.status"
 }
 
+# in_background COMMAND...: the builder from now on. It gets the processor time that others leave, and
+# is a process group of its own, so that it can be ended as a whole.
+in_background() {
+  set -m
+  (chrt --idle --pid 0 $BASHPID; "$@") &
+  builder=$!
+  set +m
+}
+
 # await NAME: waits until the builder has done it, and counts it.
 await() {
   local status seconds used
@@ -214,14 +223,9 @@ build_and_check() {
 }
 
 stage install .ci/packages.sh test || { finish; exit 1; }
-# The tests spend most of their time waiting for a robot. Meanwhile everything is built in the
-# background, by SCHED_IDLE: with the processor time that the tests leave. It is a process group of
-# its own, so that it can be ended as a whole.
+# The tests spend most of their time waiting for a robot. Meanwhile everything is built.
 rm -f "$logs"/*.status
-set -m
-(chrt --idle --pid 0 $BASHPID; build_and_check) &
-builder=$!
-set +m
+in_background build_and_check
 trap 'kill -- -"$builder" 2> /dev/null || true' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
@@ -239,10 +243,11 @@ fi
 for preset in asan tsan rtsan; do
   if await "$preset-build"; then tests "$preset" -L '^(unit|sim|pty)(_slow)?$'; fi
 done
-stage fuzz-run fuzz || true
 as_root=()
 (($(id -u) == 0)) || as_root=(sudo -n)
-await "package-$native" || true
+for name in "package-$native" armhf-build lint c-api; do await "$name" || true; done
+# One computes, the other waits for the disk.
+in_background background fuzz-run fuzz
 stage package-use ${as_root[@]+"${as_root[@]}"} tests/install/package_test.sh build/packages || true
-for name in armhf-build lint c-api; do await "$name" || true; done
+await fuzz-run || true
 finish

@@ -316,6 +316,7 @@ int drive(const DriveOptions& options) {
   if (!config) return fail(config.failure());
   if (options.builtin) config->port.clear();
   hal::RobotOptions wanted = robot_options(options, *config);
+  leave_cpu_to_loop(wanted);
   const auto chosen =
       choose_robot(*config, options.pins, parameters(options.sim),
                    hal::below_loop(wanted.realtime.priority));  // outlives the robot

@@ -120,6 +120,7 @@ int serve(const ServeOptions& options) {
   auto config = configuration(options.drive.connection, options.drive.pins);
   if (!config) return fail(config.failure());
   hal::RobotOptions robot = robot_options(options.drive, *config);
+  leave_cpu_to_loop(robot);
   const auto chosen = choose_robot(*config, options.drive.pins, parameters(options.drive.sim),
                                    hal::below_loop(robot.realtime.priority));
   if (!chosen) return fail(chosen.failure());

@@ -2,10 +2,12 @@
 """What clients of the feed cost the loop: drives of a virtual Create with and without them.
 
 usage: tests/bench/feed_clients.py [--cargobay PROGRAM] [--clients N] [--seconds S] [--rounds R]
+                                   [--websocket] [--cpu CPU]
 
 Each round is a drive without clients, one with N that read everything, and another without: the two
 without say what differs by chance. Prints the medians over the rounds, and their ratios. Needs the
-machine for itself.
+machine for itself. --websocket: a `serve` that holds the robot still, with clients as the page is.
+--cpu: the loop is pinned to that CPU, and the clients are kept off it, as if they were elsewhere.
 """
 
 import argparse
@@ -13,6 +15,7 @@ import json
 import os
 import pathlib
 import selectors
+import signal
 import socket
 import statistics
 import subprocess
@@ -22,19 +25,19 @@ import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/page"))
+
+from served import Feed, until  # noqa: E402
 
 
 class Readers(threading.Thread):
     """Clients that read all that comes, until told otherwise."""
 
-    def __init__(self, path, count):
+    def __init__(self, count, connect):
         super().__init__()
-        self.sockets = []
-        for _ in range(count):
-            client = socket.socket(socket.AF_UNIX)
-            client.connect(path)
+        self.sockets = [connect() for _ in range(count)]
+        for client in self.sockets:
             client.setblocking(False)
-            self.sockets.append(client)
         self.bytes = 0
         self.over = threading.Event()
 
@@ -50,29 +53,57 @@ class Readers(threading.Thread):
                     selector.unregister(key.fileobj)
 
 
-def drive(program, seconds, clients):
-    """One drive's JSON; and how many bytes its clients read."""
-    with tempfile.TemporaryDirectory() as folder:
-        environment = dict(os.environ, CARGOBAY_FEED_DIR=folder, TERM="dumb")
-        os.chmod(folder, 0o700)
-        process = subprocess.Popen(
-            [program, "drive", "--duration", str(seconds), "--json", "-"],
-            env=environment, stdout=subprocess.PIPE, text=True)
-        readers = None
-        if clients:
-            while not os.listdir(folder):
-                if process.poll() is not None:
-                    sys.exit("the drive has failed")
-                time.sleep(0.01)
-            readers = Readers(os.path.join(folder, os.listdir(folder)[0]), clients)
-            readers.start()
-        out, _ = process.communicate()
-        if readers:
-            readers.over.set()
-            readers.join()
-        if process.returncode != 0:
-            sys.exit(f"the drive ended with {process.returncode}")
-        return json.loads(out), readers.bytes if readers else 0
+def connected_to(path):
+    client = socket.socket(socket.AF_UNIX)
+    client.connect(str(path))
+    return client
+
+
+def web_socket(port):
+    """RFC 6455, as far as a client must go that only listens."""
+    client = socket.create_connection(("127.0.0.1", port))
+    client.sendall(f"GET /api/feed HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
+                   "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                   "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode())
+    if b" 101 " not in client.recv(64):
+        sys.exit("the server refuses the WebSocket")
+    return client
+
+
+def drive(command, seconds, clients, folder):
+    """One drive's report; and how many bytes its clients read."""
+    process = subprocess.Popen(
+        [command[0], "drive", *command[1:], "--duration", str(seconds), "--json", "-"],
+        stdout=subprocess.PIPE, text=True)
+    readers = None
+    if clients:
+        feed = until(lambda: process.poll() is not None or next(folder.iterdir(), None), "the feed")
+        readers = Readers(clients, lambda: connected_to(feed))
+        readers.start()
+    out, _ = process.communicate()
+    if readers:
+        readers.over.set()
+        readers.join()
+    if process.returncode != 0:
+        sys.exit(f"the drive ended with {process.returncode}")
+    return json.loads(out), readers.bytes if readers else 0
+
+
+def serve(command, seconds, clients, folder):
+    """The statistics of one `serve`; and how many bytes its clients read."""
+    process = subprocess.Popen([command[0], "serve", *command[1:], "--http", "127.0.0.1:0"],
+                               stdout=subprocess.PIPE, text=True)
+    port = int(process.stdout.readline().rstrip("/\n").rsplit(":", 1)[1])
+    readers = Readers(clients, lambda: web_socket(port))
+    readers.start()
+    time.sleep(seconds)
+    statistics_now = Feed(next(folder.iterdir())).now("statistics")
+    process.send_signal(signal.SIGTERM)
+    readers.over.set()
+    readers.join()
+    if process.wait() != 128 + signal.SIGTERM:
+        sys.exit(f"serve ended with {process.returncode}")
+    return statistics_now, readers.bytes
 
 
 def main():
@@ -81,7 +112,14 @@ def main():
     parser.add_argument("--clients", type=int, default=20)
     parser.add_argument("--seconds", type=float, default=20)
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--websocket", action="store_true")
+    parser.add_argument("--cpu", type=int)
     options = parser.parse_args()
+    command = [options.cargobay]
+    if options.cpu is not None:
+        command += ["--cpu", str(options.cpu)]
+        os.sched_setaffinity(0, os.sched_getaffinity(0) - {options.cpu})
+    run = serve if options.websocket else drive
     kinds = ("without", "with", "without again")
     figures = {kind: {} for kind in kinds}
     read = 0
@@ -90,7 +128,9 @@ def main():
             print(f"\rround {round_number + 1} of {options.rounds}: {kind} clients   ",
                   end="", file=sys.stderr, flush=True)
             clients = options.clients if kind == "with" else 0
-            report, more = drive(options.cargobay, options.seconds, clients)
+            with tempfile.TemporaryDirectory() as folder:
+                os.environ.update(CARGOBAY_FEED_DIR=folder, TERM="dumb")
+                report, more = run(command, options.seconds, clients, pathlib.Path(folder))
             read += more
             for what in ("period_ns", "frame_to_command_ns"):
                 for percentile in ("p50", "p99"):

@@ -99,6 +99,45 @@ TEST(RealtimeThread, RunsOnTheCpuAskedFor) {
   EXPECT_EQ(cpus, 1) << "from its first instruction on";
 }
 
+cpu_set_t own_cpus() {
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  EXPECT_EQ(sched_getaffinity(0, sizeof cpus, &cpus), 0);
+  return cpus;
+}
+
+TEST(KeepOff, LeavesTheCpuToALoopThatIsPinnedToIt) {
+  const cpu_set_t allowed = own_cpus();
+  if (CPU_COUNT(&allowed) < 2) GTEST_SKIP() << "needs two CPUs";
+  unsigned wanted = 0;
+  while (!CPU_ISSET(wanted, &allowed)) ++wanted;
+  std::thread{[&] {
+    keep_off(static_cast<int>(wanted));
+    const cpu_set_t left = own_cpus();
+    EXPECT_FALSE(CPU_ISSET(wanted, &left));
+    EXPECT_EQ(CPU_COUNT(&left), CPU_COUNT(&allowed) - 1);
+    std::thread{[&] {
+      const cpu_set_t inherited = own_cpus();
+      EXPECT_TRUE(CPU_EQUAL(&left, &inherited));
+    }}.join();
+    RealtimeThread loop;
+    const RealtimeGrant grant = loop.start({.cpu = static_cast<int>(wanted)}, [] {});
+    loop.join();
+    EXPECT_EQ(grant.cpu, static_cast<int>(wanted));
+  }}.join();
+}
+
+TEST(KeepOff, DoesNothingWhereNoOtherCpuIsLeft) {
+  const cpu_set_t allowed = own_cpus();
+  std::thread{[&] {
+    for (int cpu = -1; cpu <= CPU_SETSIZE; ++cpu) keep_off(cpu);
+    const cpu_set_t left = own_cpus();
+    EXPECT_EQ(CPU_COUNT(&left), 1);
+  }}.join();
+  const cpu_set_t after = own_cpus();
+  EXPECT_TRUE(CPU_EQUAL(&allowed, &after)) << "of the thread alone";
+}
+
 TEST(RealtimeThread, RunsElsewhereWhereThatCpuIsNotThere) {
   for (const int cpu : {-1, 1000, 1'000'000}) {
     std::string wrong;

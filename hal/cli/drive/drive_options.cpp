@@ -78,6 +78,10 @@ double reconnect_s(const DriveOptions& options) {
   return number ? seconds : std::numeric_limits<double>::quiet_NaN();
 }
 
+void leave_cpu_to_loop(const hal::RobotOptions& robot) {
+  if (robot.realtime.cpu) rt::keep_off(*robot.realtime.cpu);
+}
+
 hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config) {
   hal::RobotOptions robot;
   hal::apply(config, robot.cycle);
@@ -115,7 +119,8 @@ void add_realtime_options(CLI::App& command, DriveOptions& options) {
           fmt::format("SCHED_FIFO priority of the loop [{}]", rt::RealtimeRequest{}.priority))
       ->check(CLI::Range(static_cast<int>(hal::kPriority.least),
                          static_cast<int>(hal::kPriority.most)));
-  command.add_option("--cpu", options.cpu, "Pin the loop to this CPU");
+  command.add_option("--cpu", options.cpu,
+                     "Pin the loop to this CPU; the rest of the program keeps off it");
 }
 
 void add_first_options(CLI::App& command, DriveOptions& options) {

@@ -61,4 +61,8 @@ double reconnect_s(const DriveOptions& options);
 // The robot as options and configuration want it, but without its pins.
 hal::RobotOptions robot_options(const DriveOptions& options, const hal::Config& config);
 
+// The calling thread, and threads and processes that it starts later, keep off the CPU to which the
+// loop is pinned, if it is.
+void leave_cpu_to_loop(const hal::RobotOptions& robot);
+
 }  // namespace cargobay::cli

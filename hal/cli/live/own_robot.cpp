@@ -21,6 +21,7 @@ hal::Result<std::unique_ptr<OwnRobot>> OwnRobot::start(const DriveOptions& optio
                                                        const std::string& program) {
   std::unique_ptr<OwnRobot> own{new OwnRobot};
   hal::RobotOptions robot = robot_options(options, config);
+  leave_cpu_to_loop(robot);
   auto chosen = choose_robot(config, options.pins, parameters(options.sim),
                              hal::below_loop(robot.realtime.priority));
   if (!chosen) return chosen.failure();
