@@ -23,6 +23,7 @@
 #include "hal/cli/terminal/print.hpp"
 #include "hal/cli/terminal/signals.hpp"
 #include "hal/cli/view/progress.hpp"
+#include "hal/machine/oom_score.hpp"
 #include "hal/service/journal.hpp"
 #include "hal/service/service.hpp"
 #include "hal/service/service_manager.hpp"
@@ -34,6 +35,7 @@ namespace cargobay::cli {
 namespace {
 
 constexpr std::chrono::hours kPatience{24};  // for a port that is lost
+constexpr int kOomScore = -900;              // where a service puts itself that is put at -1000
 
 using Told = std::function<void(const std::string&)>;
 using Log = std::function<void(const hal::ServiceNews&)>;
@@ -111,6 +113,7 @@ void log_to(const hal::Journal& journal, const std::string& port, const hal::Ser
 }
 
 int serve(const ServeOptions& options) {
+  hal::raise_oom_score(kOomScore);
   StopSignals signals;
   const auto fail = [](const hal::Failure& failure) {
     print_error(failure.message);

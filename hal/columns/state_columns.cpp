@@ -80,7 +80,10 @@ void add_wheels(StateTable& table, const std::string& key, const std::string& me
 }
 
 void add_time(StateTable& table) {
-  add(table, {"tick", Kind::whole, "15 ms", "Of the robot, since the first frame"},
+  add(table,
+      {"tick", Kind::whole, "15 ms",
+       "Of the robot, since the first frame. The same as before if this frame had been given up, "
+       "and came after all"},
       [](auto& state) -> auto& { return state.tick; });
   add_made(table, {"robot_time_s", Kind::number, "s", "The robot's time at the tick"},
            [](const StateRecord& record) { return robot_time_s(record.state.tick); });

@@ -86,7 +86,7 @@ void take_rights(const GuardBlock& block) {
   parameters.sched_priority = block.priority;
   if (block.priority > 0) (void)sched_setscheduler(0, SCHED_FIFO, &parameters);
   if (const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); file >= 0) {
-    (void)!write(file, "-1000", 5);  // only root may do this
+    (void)!write(file, "-1000", 5);  // only root may, and a child of a service that was put there
     close(file);
   }
 }

@@ -26,10 +26,13 @@ def run_quietly(command: list) -> None:
 
 
 def user_space(suite: Suite, packages: list[str], root: Path) -> Path:
-    """The packages and what they depend on, in a folder."""
-    if not root.exists():
+    """The packages and what they depend on, in a folder; kept as long as they are the same."""
+    kept = root.with_suffix(".packages")
+    names = "\n".join([*packages, *sorted(NOT_NEEDED)])
+    if not root.exists() or not kept.exists() or kept.read_text() != names:
         part = root.with_suffix(".part")
-        shutil.rmtree(part, ignore_errors=True)
+        for old in (root, part):
+            shutil.rmtree(old, ignore_errors=True)
         suite.unpack(suite.closure(packages, NOT_NEEDED), part)
         if not (part / "lib").exists():
             (part / "lib").symlink_to("usr/lib")
@@ -37,6 +40,7 @@ def user_space(suite: Suite, packages: list[str], root: Path) -> Path:
             # makes include: without that, it would compile everything again each time.
             (part / "include").symlink_to("usr/include")
         part.rename(root)
+        kept.write_text(names)
     return root
 
 

@@ -1,6 +1,5 @@
 // The program cargobay-web.
 
-#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "hal/file/descriptor.hpp"
+#include "hal/machine/oom_score.hpp"
 #include "hal/web/program/options.hpp"
 #include "hal/web/program/qr_code.hpp"
 #include "hal/web/server/server.hpp"
@@ -27,14 +27,6 @@ constexpr int kUsageError = 2;
 int fail(const std::string& message, int code = EXIT_FAILURE) {
   (void)std::fprintf(stderr, "cargobay-web: %s\n", message.c_str());
   return code;
-}
-
-// If memory runs out, it is killed before the process that drives the robot and before the guard,
-// whose places in the kernel's order a service gives to its children too.
-void give_way_for_memory() {
-  const hal::Descriptor file{open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC)};
-  char sign = 0;
-  if (read(file.number(), &sign, 1) == 1 && sign == '-') (void)!write(file.number(), "0", 1);
 }
 
 // Readable when the process is to end.
@@ -94,7 +86,7 @@ int main(int count, char** arguments) {
   // Who starts this with a descriptor is a program, and does not want it to outlive that.
   if (options->ready >= 0) {
     (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
-    give_way_for_memory();
+    hal::raise_oom_score(0);  // killed before who drives the robot, and before the guard
   }
   (void)std::signal(SIGPIPE, SIG_IGN);
   const hal::Descriptor stop = ends();
