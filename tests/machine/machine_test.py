@@ -2,15 +2,18 @@
 """Our packages on a whole PC in qemu: Debian with systemd, udev and PREEMPT_RT, an FTDI adapter that
 comes and goes. What the virtual Create at the adapter saw of it is the witness.
 
-usage: machine_test.py bookworm|trixie COMMAND FOLDER PACKAGES [--faults] [STORY...]
+usage: machine_test.py bookworm|trixie COMMAND FOLDER PACKAGES [--faults] [--times N] [STORY...]
   COMMAND   the cargobay of this machine, which serves the virtual Create
   FOLDER    for what is downloaded and built; kept for the next time
   PACKAGES  a folder with the packages, made by .ci/package.sh
   STORY     of tests/machine/stories; without one, all of them in their order, on one machine
   --faults  plants each fault of the stories, and fails if it is not found
+  --times   tells each story so many times, what happens in it at random moments, and prints how
+            long its steps took; 0-install always once, and first
 Needs root, for debootstrap. Exit 77, and says why, where something that it needs is missing.
 """
 
+import argparse
 import contextlib
 import os
 import shutil
@@ -29,6 +32,7 @@ from image import TOOLS, Disk, base, installed, overlay, pack
 from machine import FIRST, SECOND, Machine
 
 SHARE_BYTES = 64 << 20
+INSTALL = "0-install"  # what a user does once
 
 
 def share(folder: Path, packages: list[Path]) -> Path:
@@ -44,7 +48,8 @@ def share(folder: Path, packages: list[Path]) -> Path:
 
 
 def tell(
-    names: list[str], made: Disk, folder: Path, packages: list[Path], command: Path, faults: bool
+    names: list[str], made: Disk, folder: Path, packages: list[Path], command: Path, faults: bool,
+    times: int,
 ) -> int:
     """How many of the steps failed, all on one machine."""
     failures = 0
@@ -64,38 +69,58 @@ def tell(
             told = story.read(HERE / f"stories/{name}.toml")
             begin = time.monotonic()
             print(f"{name}: {told.title}", flush=True)
-            failures += sum(not story.tell(machine, step) for step in told.steps)
+            if times > 1 and name != INSTALL:
+                failed, found = story.tell_again(machine, told, times)
+                failures += failed
+                print(found.table(), flush=True)
+            else:
+                failures += sum(not story.tell(machine, step) for step in told.steps)
             if faults:
                 failures += sum(not story.is_found(machine, told, fault) for fault in told.faults)
             print(f"  {time.monotonic() - begin:.0f} s", flush=True)
     return failures
 
 
+def parse(words: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter,
+                                     usage=argparse.SUPPRESS)  # fmt: skip
+    parser.add_argument("suite", choices=["bookworm", "trixie"], help=argparse.SUPPRESS)
+    for name in ("command", "folder", "packages"):
+        parser.add_argument(name, type=lambda path: Path(path).resolve(), help=argparse.SUPPRESS)
+    parser.add_argument("--faults", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--times", type=int, default=1, help=argparse.SUPPRESS)
+    stories = sorted(path.stem for path in (HERE / "stories").glob("*.toml"))
+    parser.add_argument("stories", nargs="*", choices=[*stories, []], help=argparse.SUPPRESS)
+    given = parser.parse_intermixed_args(words)
+    given.stories = given.stories or stories
+    if given.times > 1 and INSTALL not in given.stories:
+        given.stories.insert(0, INSTALL)
+    return given
+
+
 def main() -> int:
-    if len(sys.argv) < 5 or sys.argv[1] not in ("bookworm", "trixie"):
-        print(__doc__, file=sys.stderr)
-        return 2
+    given = parse(sys.argv[1:])
     if lacks(TOOLS, "machine"):
         return 77
     if os.geteuid() != 0:
         print("SKIPPED: needs root, for debootstrap")
         return 77
-    suite, (command, cache, where) = sys.argv[1], (Path(path).resolve() for path in sys.argv[2:5])
     architecture = subprocess.run(["dpkg", "--print-architecture"], capture_output=True, text=True,
                                   check=True).stdout.strip()  # fmt: skip
-    packages = sorted([*where.glob(f"*_{architecture}.deb"), *where.glob("*_all.deb")])
+    packages = sorted(
+        [*given.packages.glob(f"*_{architecture}.deb"), *given.packages.glob("*_all.deb")]
+    )
     if len(packages) != 5:
-        print(f"SKIPPED: {len(packages)} of five packages in {where}; make them with .ci/package.sh")
+        print(f"SKIPPED: {len(packages)} of five packages in {given.packages}; make them with .ci/package.sh")
         return 77
     begin = time.monotonic()
-    made = installed(cache, base(cache, suite), packages)
-    print(f"{suite}: {made.disk.parent.name}, {time.monotonic() - begin:.1f} s", flush=True)
-    folder = cache / "run"
+    made = installed(given.folder, base(given.folder, given.suite), packages)
+    print(f"{given.suite}: {made.disk.parent.name}, {time.monotonic() - begin:.1f} s", flush=True)
+    folder = given.folder / "run"
     folder.mkdir(exist_ok=True)
-    wanted = [word for word in sys.argv[5:] if word != "--faults"]
-    faults = "--faults" in sys.argv[5:]
-    names = wanted or sorted(path.stem for path in (HERE / "stories").glob("*.toml"))
-    failures = tell(names, made, folder, packages, command, faults)
+    failures = tell(
+        given.stories, made, folder, packages, given.command, given.faults, given.times
+    )
     print(f"{failures} failed" if failures else "all as it should be")
     return 1 if failures else 0
 

@@ -18,9 +18,11 @@ A `fault` is planted to see it found: `run` before the story, `fails` is the ste
 `mend` afterwards.
 """
 
+import random
 import re
 import time
 import tomllib
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,6 +32,7 @@ from machine import FIRST, Machine, without_input
 RUN_S = 900
 AGAIN_S = 0.5
 MOVES_MM_S = 20.0
+MOMENTS_S = 2.0  # what happens at a random moment does within this
 
 
 @dataclass
@@ -140,6 +143,43 @@ def carry_out(machine: Machine, step: Step) -> tuple[Outcome, float]:
         if code != step.code:
             outcome = Outcome(False, f"{step.run}\nexit code {code}\n{text}")
     return outcome, seconds
+
+
+class Times:
+    """How often each step of a story held that may take a while, and how long it took."""
+
+    def __init__(self):
+        self.steps: dict[tuple[int, str], list[float]] = {}
+        self.failed: Counter[tuple[int, str]] = Counter()
+
+    def note(self, number: int, says: str, holds: bool, seconds: float) -> None:
+        self.steps.setdefault((number, says), []).append(seconds)
+        self.failed[number, says] += not holds
+
+    def table(self) -> str:
+        lines = ["| step | times | failed | p50, s | longest, s |", "|---|---|---|---|---|"]
+        for (number, says), seconds in sorted(self.steps.items()):
+            middle = sorted(seconds)[len(seconds) // 2]
+            failed = self.failed[number, says]
+            lines.append(f"| {says} | {len(seconds)} | {failed} | {middle:.1f} | {max(seconds):.1f} |")
+        return "\n".join(lines)
+
+
+def tell_again(machine: Machine, story: Story, times: int) -> tuple[int, Times]:
+    """The story so many times, what happens in it at random moments. How many of the steps failed."""
+    failures, found = 0, Times()
+    for time_of in range(times):
+        print(f"  {time_of + 1} of {times}", flush=True)
+        for number, step in enumerate(story.steps):
+            if step.cable or (step.robot and step.run):
+                time.sleep(random.uniform(0.0, MOMENTS_S))
+            outcome, seconds = carry_out(machine, step)
+            if step.within_s or step.boots:
+                found.note(number, step.says, outcome.holds, seconds)
+            if not outcome.holds:
+                failures += 1
+                print(f"  FAILED {step.says} ({seconds:.1f} s)\n{outcome.seen}", flush=True)
+    return failures, found
 
 
 def tell(machine: Machine, step: Step) -> bool:
