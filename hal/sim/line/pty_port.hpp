@@ -20,8 +20,8 @@ class PtyPort {
  public:
   // A new pseudo-terminal, raw and at that rate before any client can open it. `link`, unless
   // empty, becomes a symbolic link to it. Only one thing that may be there already is replaced: our
-  // user's link to a pseudo-terminal that is gone, as a killed virtual Create leaves it. (It is taken
-  // for gone too if its owner or rights were changed after the link was made.)
+  // user's link to a pseudo-terminal that is gone, as a killed virtual Create leaves it. (One whose
+  // owner or rights were changed after the link was made is taken for gone.)
   static Result<std::unique_ptr<PtyPort>> open(const std::string& link, std::uint32_t baud);
   // Removes the link, if it is still ours.
   ~PtyPort();
