@@ -245,10 +245,12 @@ class Drive {
 };
 
 // The drive's own part of the report; the drive outlives it.
-DriveReport report_of(const Drive& drive, const std::vector<DriveSample>& samples) {
+DriveReport report_of(const DriveOptions& options, const Drive& drive,
+                      const std::vector<DriveSample>& samples) {
   const DriveLinks& links = drive.links();
   const hal::CycleState last = links.states().empty() ? hal::CycleState{} : links.states().back();
-  return {.remainder = last.remainder,
+  return {.open_loop = options.open_loop,
+          .remainder = last.remainder,
           .grant = drive.grant(),
           .ticks = links.ticks(),
           .frames = links.frames(),
@@ -353,11 +355,10 @@ int drive(const DriveOptions& options) {
   if (!ending) return fail(ending.failure());
   if (!ending->not_kept.empty()) print_remark(ending->not_kept);
   const std::vector<DriveSample> samples = driving.links().samples();
-  DriveReport report = report_of(driving, samples);
+  DriveReport report = report_of(options, driving, samples);
   report.port = chosen->port;
   report.robot = server != nullptr ? "virtual Create" : "robot";
   report.baud = *config->baud;
-  report.open_loop = options.open_loop;
   report.findings = findings;
   report.learnt_file = wanted.learnt.file;
   return conclude(report, options, samples, *ending, outputs);
