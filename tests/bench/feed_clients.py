@@ -77,7 +77,7 @@ def drive(command, seconds, clients, folder):
         stdout=subprocess.PIPE, text=True)
     readers = None
     if clients:
-        feed = until(lambda: process.poll() is not None or next(folder.iterdir(), None), "the feed")
+        feed = until(lambda: next(folder.iterdir(), None), "the drive's feed")
         readers = Readers(clients, lambda: connected_to(feed))
         readers.start()
     out, _ = process.communicate()
