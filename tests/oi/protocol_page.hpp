@@ -5,8 +5,7 @@
 
 namespace cargobay::oi {
 
-// The whole page. What no table contains, such as the manual's contradictions, is written in
-// protocol_page.cpp.
+// The whole page; what no table contains is in protocol_text.hpp.
 std::string protocol_page();
 
 }  // namespace cargobay::oi

@@ -5,28 +5,20 @@ import argparse
 import json
 import os
 import random
-import shutil
 import struct
-import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import web_case  # noqa: E402
+from admission import (  # noqa: E402, F401: parts of this test
+    Beyond, Encrypted, Refused, Token, TokenOption)
 from fake_feed import FakeFeed  # noqa: E402
-from web_client import Server, WebSocket, frame, read_all  # noqa: E402
+from web_case import WebTest, eventually  # noqa: E402
+from web_client import WebSocket, frame, read_all  # noqa: E402
 
-PROGRAM, FRAMES = None, 0
-
-
-def eventually(condition, seconds=10):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return condition()
+FRAMES = 0
 
 
 def mutated(chance, data, lowest, beyond):
@@ -35,38 +27,6 @@ def mutated(chance, data, lowest, beyond):
     for _ in range(chance.choice((0, 1, 1, 2, 8))):
         data[chance.randrange(len(data))] = chance.randrange(lowest, beyond)
     return bytes(data)
-
-
-class WebTest(unittest.TestCase):
-    options = ()
-    env = {}
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.feed = FakeFeed(os.path.join(self.folder, "feed"))
-        self.server = Server(PROGRAM, "--feed", self.feed.path, "--http", self.listen(),
-                             *self.options, env=self.env)
-        self.assertTrue(eventually(lambda: self.feed.clients))
-
-    def listen(self):
-        return "127.0.0.1:0"
-
-    def tearDown(self):
-        if self.server.process.returncode is None:
-            self.assertEqual(self.server.end(), 0)
-        self.feed.end()
-        shutil.rmtree(self.folder)
-
-    def requests(self):
-        """What clients asked of the feed; the server itself asks as number 0."""
-        return [line for number, line in self.feed.requests if number != 0]
-
-    def assert_alive(self):
-        self.assertIsNone(self.server.process.poll(), "the server is gone")
-        self.assertEqual(self.get("/")[0], 200)
-
-    def get(self, path, **headers):
-        return self.server.request(path, **headers)
 
 
 class Loopback(WebTest):
@@ -292,11 +252,16 @@ class Loopback(WebTest):
                  struct.pack("<BI", 1, 1) + b"{}", struct.pack("<BIII", 2, 9, 1, 4) + b"json{}")
         chance = random.Random(1)
         sent, reached, before, checked = 0, 0, None, 0
+        attached = len(self.feed.clients)
         while sent < FRAMES:
             foxglove = chance.random() < 0.7
             socket = WebSocket(self.server, "/foxglove" if foxglove else "/api/feed",
                                "foxglove.websocket.v1" if foxglove else None)
             self.assertEqual(socket.status, 101)
+            # Feed and clients are of one process here: without a look at it the feed would fall
+            # behind, and refuse the server.
+            attached += 1
+            self.assertTrue(eventually(lambda: len(self.feed.clients) == attached))
             # Whole frames of what is hardly JSON; the last one is no frame any more.
             batch = b""
             for _ in range(chance.randrange(40)):
@@ -326,127 +291,12 @@ class Loopback(WebTest):
                 for lines in list(self.feed.sent.values()):
                     lines.clear()
         self.assert_alive()
-        # Some were still whole.
-        reached += len(self.feed.requests)
-        print(f"{sent} frames, {reached} requests reached the feed, "
+        some = FRAMES // 50  # that were still whole
+        self.assertTrue(eventually(lambda: reached + len(self.feed.requests) > some), reached)
+        print(f"{sent} frames, {reached + len(self.feed.requests)} requests reached the feed, "
               f"{self.server.memory_kb() - (before or 0)} KB more")
-        self.assertGreater(reached, FRAMES // 100)
         self.assertLess(self.server.memory_kb() - (before or 0), 20000)
         self.assertTrue(eventually(lambda: self.server.descriptors() < 20))
-
-
-class Beyond(WebTest):
-    """Outside the loopback."""
-
-    def listen(self):
-        return "0.0.0.0:0"
-
-    def test_makes_a_token_and_asks_for_it(self):
-        token = self.server.token
-        self.assertRegex(token, "^[0-9a-f]{32}$")
-        for wrong in ("", token[1:], token + "0", "0" * 32, token.upper() + "x"):
-            for headers in ({"Cookie": f"cargobay_{self.server.port}={wrong}"},
-                            {"Authorization": f"Bearer {wrong}"}):
-                self.assertEqual(self.get("/api/state", **headers)[0], 401)
-                self.assertEqual(self.get("/", **headers)[0], 401)
-                self.assertEqual(WebSocket(self.server, **headers).status, 401)
-            self.assertEqual(self.get(f"/api/state?token={wrong}")[0], 401)
-            self.assertEqual(self.get(f"/?token={wrong}")[0], 401)
-            self.assertEqual(WebSocket(self.server, f"/api/feed?token={wrong}").status, 401)
-            self.assertEqual(
-                WebSocket(self.server, f"/foxglove?token={wrong}", "foxglove.websocket.v1").status,
-                401)
-            self.assertEqual(self.server.request("/login", "POST", b"token=" + wrong.encode())[0],
-                             401)
-        self.assertEqual(self.requests(), [])
-        self.assertEqual(len(self.feed.clients), 1)
-
-    def test_lets_in_by_link_once_then_by_cookie(self):
-        token = self.server.token
-        status, headers, _ = self.get(f"/?token={token}")
-        self.assertEqual((status, headers["location"]), (303, "/"))
-        self.assertIn("HttpOnly", headers["set-cookie"])
-        self.assertIn("SameSite=Strict", headers["set-cookie"])
-        cookie = headers["set-cookie"].split(";")[0]
-        self.assertEqual(self.get("/", Cookie=cookie)[0], 200)
-        self.assertEqual(WebSocket(self.server, Cookie=cookie).status, 101)
-        self.assertEqual(WebSocket(self.server, Authorization=f"Bearer {token}").status, 101)
-        self.assertEqual(WebSocket(self.server, f"/api/feed?token={token}").status, 101)
-        # What the page of a link with a fragment does.
-        self.assertEqual(self.get("/login.js")[0], 200)
-        status, headers, _ = self.server.request("/login", "POST", b"token=" + token.encode())
-        self.assertEqual((status, headers["set-cookie"].split(";")[0]), (303, cookie))
-
-    def test_warns_that_it_is_not_encrypted(self):
-        self.assertEqual(self.server.end(), 0)
-        self.assertIn("not encrypted", self.server.errors)
-
-
-class Token(WebTest):
-    env = {"CARGOBAY_TOKEN": "from-the-environment"}
-
-    def test_can_be_asked_for_on_the_loopback_too(self):
-        self.assertEqual(self.server.token, "from-the-environment")
-        self.assertEqual(self.get("/api/state")[0], 401)
-        self.assertNotEqual(self.get("/api/state", Authorization="Bearer from-the-environment")[0],
-                            401)
-
-
-class TokenOption(WebTest):
-    options = ("--token", "in-the-arguments")
-
-    def test_cannot_be_read_by_others(self):
-        with open(f"/proc/{self.server.process.pid}/cmdline", "rb") as arguments:
-            self.assertNotIn(b"in-the-arguments", arguments.read())
-        self.assertEqual(self.server.token, "in-the-arguments")
-
-
-class Encrypted(WebTest):
-    def setUp(self):
-        self.keys = tempfile.mkdtemp()
-        pem = os.path.join(self.keys, "both.pem")
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
-                        "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2", "-subj",
-                        "/CN=localhost", "-keyout", pem, "-out", pem + ".crt"],
-                       check=True, capture_output=True)
-        with open(pem, "ab") as both, open(pem + ".crt", "rb") as certificate:
-            both.write(certificate.read())
-        self.options = ("--cert", pem)
-        super().setUp()
-
-    def tearDown(self):
-        super().tearDown()
-        shutil.rmtree(self.keys)
-
-    def listen(self):
-        return "0.0.0.0:0"
-
-    def test_serves_and_does_not_warn(self):
-        token = self.server.token
-        status, headers, _ = self.get(f"/?token={token}")
-        self.assertEqual(status, 303)
-        self.assertIn("; Secure", headers["set-cookie"])
-        socket = WebSocket(self.server, Cookie=headers["set-cookie"].split(";")[0],
-                           Origin=f"https://127.0.0.1:{self.server.port}")
-        self.assertEqual(socket.status, 101)
-        self.assertEqual([socket.receive()[0] for _ in range(100)], [1] * 100)
-        self.assertEqual(self.server.end(), 0)
-        self.assertEqual(self.server.errors, "")
-
-
-class Refused(unittest.TestCase):
-    def test_says_what_is_wrong(self):
-        for options, words in ((("--http", "robot.local:1"), "numeric"),
-                               (("--http", "127.0.0.1:70000"), "port"),
-                               (("--http", "192.0.2.1:0"), "cannot listen"),
-                               (("--token", "short"), "8 to 128"),
-                               (("--cert", "/dev/null", "--http", "0"), "PEM"),
-                               (("--nothing",), "--help")):
-            done = subprocess.run([PROGRAM, "--feed", "/nowhere", *options], capture_output=True,
-                                  text=True, timeout=20)
-            self.assertNotEqual(done.returncode, 0, options)
-            self.assertIn(words, done.stderr, options)
-            self.assertEqual(done.stdout, "")
 
 
 if __name__ == "__main__":
@@ -454,5 +304,5 @@ if __name__ == "__main__":
     parser.add_argument("program")
     parser.add_argument("--frames", type=int, default=0)
     arguments, rest = parser.parse_known_args()
-    PROGRAM, FRAMES = os.path.abspath(arguments.program), arguments.frames
+    web_case.program, FRAMES = os.path.abspath(arguments.program), arguments.frames
     unittest.main(argv=[sys.argv[0], *rest], warnings="ignore")

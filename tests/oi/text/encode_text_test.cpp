@@ -1,154 +1,21 @@
-#include "oi/text/command_text.hpp"
-
 #include <array>
 #include <memory>
 #include <random>
-#include <set>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "oi/baud.hpp"
 #include "oi/commands.hpp"
-#include "oi/parse.hpp"
 #include "oi/text/argument_names.hpp"
-#include "oi/text/nearest_name.hpp"
-#include "tests/oi/feed.hpp"
+#include "oi/text/command_text.hpp"
+#include "tests/oi/text/encoded.hpp"
 
 namespace cargobay::oi {
 namespace {
 
 using testing::HasSubstr;
-
-struct Encoded {
-  Bytes bytes;
-  std::string error;  // as format_error() words it; empty if there is none
-  std::optional<TextError> what;
-};
-
-Encoded encode_with_room(std::string_view text, std::size_t room, Beyond beyond = Beyond::nothing) {
-  // Allocated to exactly its size, so that a sanitizer sees a read past an end.
-  const auto characters = std::make_unique<char[]>(text.size());
-  std::copy(text.begin(), text.end(), characters.get());
-  const auto out = std::make_unique<std::uint8_t[]>(room);
-  const std::string_view exact{characters.get(), text.size()};
-  const TextResult result = encode_text(exact, {out.get(), room}, beyond);
-  Encoded encoded{
-      .bytes = {out.get(), out.get() + result.bytes}, .error = {}, .what = result.error};
-  if (!result.error) return encoded;
-  EXPECT_EQ(result.bytes, 0U);
-  EXPECT_LE(result.error->position + result.error->length, text.size());
-  std::array<char, 400> message{};
-  encoded.error.assign(message.data(), format_error(*result.error, exact, message));
-  EXPECT_LT(encoded.error.size(), message.size()) << encoded.error;
-  return encoded;
-}
-
-Encoded encoded(std::string_view text) { return encode_with_room(text, 1024); }
-Bytes bytes_of(std::string_view text) {
-  const Encoded result = encoded(text);
-  EXPECT_EQ(result.error, "") << text;
-  return result.bytes;
-}
-std::string error_of(std::string_view text) { return encoded(text).error; }
-
-std::string text_of(const Bytes& command) {
-  const auto out = std::make_unique<char[]>(kMaxCommandText);
-  return {out.get(), format_command(command, {out.get(), kMaxCommandText})};
-}
-
-// Checks that the inverse holds for these bytes; returns their text.
-std::string round_trip(const Bytes& command) {
-  std::string text = text_of(command);
-  EXPECT_NE(text, "");
-  EXPECT_EQ(bytes_of(text), command) << text;
-  return text;
-}
-
-struct Example {
-  std::string_view text;
-  Bytes bytes;
-  std::string_view canonical{};  // empty: the text itself
-
-  friend std::ostream& operator<<(std::ostream& out, const Example& example) {
-    return out << example.text;
-  }
-};
-
-class Examples : public testing::TestWithParam<Example> {};
-
-TEST_P(Examples, AreTheSameBothWays) {
-  const Example& example = GetParam();
-  EXPECT_EQ(bytes_of(example.text), example.bytes);
-  EXPECT_EQ(round_trip(example.bytes),
-            example.canonical.empty() ? example.text : example.canonical);
-}
-
-// The manual's own examples (OI p. 9 to 16).
-INSTANTIATE_TEST_SUITE_P(
-    OfTheManual, Examples,
-    testing::Values(
-        Example{"drive -200 500", {137, 255, 56, 1, 244}},
-        Example{"leds advance 0 128", {139, 8, 0, 128}},
-        Example{"pwm_low_side_drivers 128 0 32", {144, 32, 0, 128}},
-        Example{"low_side_drivers driver_1", {138, 2}},
-        Example{"query_list 9 13", {149, 2, 9, 13}, "query_list cliff_left virtual_wall"},
-        Example{"stream 29 13", {148, 2, 29, 13}, "stream cliff_front_left_signal virtual_wall"},
-        Example{"wait_event -5", {158, 251}, "wait_event no_bump"},
-        Example{"script { drive 300 straight; wait_distance 400; drive 0 0 }",
-                {152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0}},
-        Example{"script { wait_event bump; wait_event no_bump; leds play 0 0; wait_event bump; "
-                "wait_event no_bump; leds none 0 0; play_script }",
-                {152, 17, 158, 5, 158, 251, 139, 2, 0, 0, 158, 5, 158, 251, 139, 0, 0, 0, 153}},
-        Example{"script { drive 300 straight; wait_distance 400; drive 300 counter_clockwise; "
-                "wait_angle 90; play_script }",
-                {152, 17, 137, 1, 44, 128, 0, 156, 1, 144, 137, 1, 44, 0, 1, 157, 0, 90, 153}}));
-
-INSTANTIATE_TEST_SUITE_P(
-    OfEveryCommand, Examples,
-    testing::Values(
-        Example{"start", {128}}, Example{"baud 57600", {129, 10}},
-        Example{"baud 10", {129, 10}, "baud 57600"}, Example{"baud 300", {129, 0}},
-        Example{"control", {130}}, Example{"safe", {131}}, Example{"full", {132}},
-        Example{"spot", {134}}, Example{"cover", {135}}, Example{"demo abort", {136, 255}},
-        Example{"demo 255", {136, 255}, "demo abort"}, Example{"demo -1", {136, 255}, "demo abort"},
-        Example{"demo banjo", {136, 9}}, Example{"drive 200 straight", {137, 0, 200, 128, 0}},
-        Example{"drive 200 32768", {137, 0, 200, 128, 0}, "drive 200 straight"},
-        Example{"drive 200 32767", {137, 0, 200, 127, 255}},
-        Example{"drive 200 clockwise", {137, 0, 200, 255, 255}},
-        Example{"drive 200 1", {137, 0, 200, 0, 1}, "drive 200 counter_clockwise"},
-        Example{"drive 0xff38 0x1F4", {137, 255, 56, 1, 244}, "drive -200 500"},
-        Example{"low_side_drivers driver_0,driver_2", {138, 5}},
-        Example{"low_side_drivers 1", {138, 1}, "low_side_drivers driver_0"},
-        Example{"low_side_drivers none", {138, 0}},
-        Example{"leds play,advance 255 0", {139, 10, 255, 0}},
-        Example{"leds advance,play 1 2", {139, 10, 1, 2}, "leds play,advance 1 2"},
-        Example{"leds none 0 0", {139, 0, 0, 0}},
-        Example{"song 0 60:32 64:32", {140, 0, 2, 60, 32, 64, 32}},
-        Example{"song 15 rest:16 30:1", {140, 15, 2, 0, 16, 30, 1}},
-        Example{"song 2 c4:32 A#3:1 bb3:1 g9:2",
-                {140, 2, 4, 60, 32, 58, 1, 58, 1, 127, 2},
-                "song 2 60:32 58:1 58:1 127:2"},
-        Example{"song 1 0:8", {140, 1, 1, 0, 8}, "song 1 rest:8"}, Example{"play 3", {141, 3}},
-        Example{"sensors group_6", {142, 6}}, Example{"sensors 19", {142, 19}, "sensors distance"},
-        Example{"cover_and_dock", {143}}, Example{"drive_direct 100 -100", {145, 255, 156, 0, 100}},
-        Example{"digital_outputs output_0,output_2", {147, 5}},
-        Example{"digital_outputs 0", {147, 0}, "digital_outputs none"},
-        Example{"stream none", {148, 0}},
-        Example{"stream distance,angle oi_mode,",
-                {148, 3, 19, 20, 35},
-                "stream distance angle oi_mode"},
-        Example{"query_list none", {149, 0}}, Example{"pause_resume_stream pause", {150, 0}},
-        Example{"pause_resume_stream 1", {150, 1}, "pause_resume_stream resume"},
-        Example{"send_ir 0xff", {151, 255}, "send_ir 255"}, Example{"script { }", {152, 0}},
-        Example{"script{}", {152, 0}, "script { }"}, Example{"play_script", {153}},
-        Example{"show_script", {154}}, Example{"wait_time 20", {155, 20}},
-        Example{"wait_distance -32768", {156, 128, 0}},
-        Example{"wait_distance 0x8000", {156, 128, 0}, "wait_distance -32768"},
-        Example{"wait_angle 32767", {157, 127, 255}},
-        Example{"wait_event 251", {158, 251}, "wait_event no_bump"},
-        Example{"wait_event mode_passive", {158, 22}}));
 
 TEST(EncodeText, SeparatesCommandsBySemicolonsAndLines) {
   const Bytes both{131, 145, 0, 100, 0, 100};
@@ -420,121 +287,6 @@ TEST(FormatError, StaysWithinItsBuffer) {
   }
 }
 
-// The inverse.
-
-TEST(FormatCommand, RoundTripsEveryShortCommand) {
-  std::set<std::string> texts;
-  std::size_t commands = 0;
-  for (const CommandInfo& info : kCommands) {
-    if (info.tail != Tail::none || info.argument_bytes() > 2) continue;
-    const std::size_t arguments = info.argument_bytes();
-    for (unsigned value = 0; value < (arguments == 2   ? 65536U
-                                      : arguments == 1 ? 256U
-                                                       : 1U);
-         ++value) {
-      Bytes bytes{info.opcode};
-      if (arguments == 2) bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
-      if (arguments >= 1) bytes.push_back(static_cast<std::uint8_t>(value));
-      if (parse_command(bytes).outcome != ParseResult::Outcome::command) {
-        EXPECT_EQ(text_of(bytes), "");
-        continue;
-      }
-      ++commands;
-      texts.insert(round_trip(bytes));
-    }
-  }
-  EXPECT_EQ(texts.size(), commands) << "one spelling for each";
-}
-
-TEST(FormatCommand, RoundTripsEverySpeedAndRadius) {
-  for (int speed = -500; speed <= 500; ++speed) {
-    const auto [high, low] =
-        std::pair{static_cast<std::uint8_t>(static_cast<unsigned>(speed) >> 8U),
-                  static_cast<std::uint8_t>(speed)};
-    (void)round_trip({137, high, low, 128, 0});
-    EXPECT_EQ(round_trip({145, 0, 7, high, low}), "drive_direct " + std::to_string(speed) + " 7");
-  }
-  for (int radius = -2000; radius <= 2000; ++radius) {
-    (void)round_trip({137, 0, 1, static_cast<std::uint8_t>(static_cast<unsigned>(radius) >> 8U),
-                      static_cast<std::uint8_t>(radius)});
-  }
-}
-
-// A command of this kind with values in range, of any length.
-Bytes random_command(const CommandInfo& info, std::mt19937& random) {
-  for (;;) {
-    Bytes bytes{info.opcode};
-    for (const ArgumentInfo& argument : info.arguments()) {
-      const auto range = static_cast<unsigned>(argument.max - argument.min + 1);
-      const auto value =
-          static_cast<unsigned>(argument.min) + static_cast<unsigned>(random()) % range;
-      if (argument.size == 2) bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
-      bytes.push_back(static_cast<std::uint8_t>(value));
-    }
-    if (info.tail != Tail::none) {
-      const std::size_t count = bytes.back() * element_size(info.tail);
-      const bool any = info.tail == Tail::notes || random() % 2 == 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        const unsigned byte = info.tail == Tail::packet_ids ? static_cast<unsigned>(random()) % 43
-                              : any ? static_cast<unsigned>(random())
-                                    : 125U + static_cast<unsigned>(random()) % 34;
-        bytes.push_back(static_cast<std::uint8_t>(byte));
-      }
-    }
-    if (parse_command(bytes).outcome == ParseResult::Outcome::command) return bytes;
-  }
-}
-
-TEST(FormatCommand, RoundTripsRandomLongCommands) {
-  std::mt19937 random{3};
-  for (const CommandInfo& info : kCommands) {
-    for (int i = 0; i < 2000; ++i) (void)round_trip(random_command(info, random));
-  }
-}
-
-TEST(FormatCommand, RoundTripsScriptsOfWholeCommands) {
-  std::mt19937 random{4};
-  for (int i = 0; i < 5000; ++i) {
-    Bytes body;
-    for (;;) {
-      const CommandInfo& info = kCommands[random() % kCommandCount];
-      if (info.tail == Tail::script_bytes) continue;
-      const Bytes command = random_command(info, random);
-      if (body.size() + command.size() > kMaxScriptBytes) break;
-      body = body + command;
-    }
-    const std::string text = round_trip(Bytes{152, static_cast<std::uint8_t>(body.size())} + body);
-    EXPECT_EQ(text.find("bytes"), std::string::npos) << text;
-  }
-}
-
-TEST(FormatCommand, WritesWhatIsNoCommandInAScriptAsBytes) {
-  EXPECT_EQ(round_trip({152, 2, 137, 1}), "script { bytes 137 1 }");
-  EXPECT_EQ(round_trip({152, 4, 131, 7, 158, 5}), "script { safe; bytes 7; wait_event bump }");
-  EXPECT_EQ(round_trip({152, 6, 137, 8, 0, 0, 0, 131}), "script { bytes 137 8 0 0 0; safe }");
-  EXPECT_EQ(round_trip({152, 4, 152, 1, 131, 132}), "script { bytes 152 1 131; full }");
-}
-
-TEST(FormatCommand, RefusesWhatIsNotExactlyOneCommand) {
-  EXPECT_EQ(text_of({}), "");
-  EXPECT_EQ(text_of({7}), "");
-  EXPECT_EQ(text_of({137, 0, 0, 0}), "");
-  EXPECT_EQ(text_of({131, 131}), "");
-  EXPECT_EQ(text_of({137, 8, 0, 0, 0}), "");
-  EXPECT_EQ(text_of({148, 1, 43}), "");
-}
-
-TEST(FormatCommand, HasRoomForTheLongestAndRefusesLess) {
-  Bytes longest{149, 255};
-  longest.resize(257, 41);
-  EXPECT_EQ(round_trip(longest).size(), kMaxCommandText);
-  const Bytes drive{137, 255, 56, 1, 244};
-  for (std::size_t room = 0; room <= 14; ++room) {
-    const auto out = std::make_unique<char[]>(room);
-    EXPECT_EQ(format_command(drive, {out.get(), room}), room < 14 ? 0U : 14U);
-  }
-}
-
 TEST(EncodeText, IsSafeForRandomTexts) {
   std::mt19937 random{5};
   const std::vector<std::string_view> pieces{
@@ -550,41 +302,6 @@ TEST(EncodeText, IsSafeForRandomTexts) {
     if (encode_with_room(text, random() % 40, beyond).error.empty()) ++good;
   }
   EXPECT_GT(good, 1000U);
-}
-
-// Names.
-
-TEST(ValueNames, AreTheRatesOfTheBaudCodes) {
-  const ArgumentInfo& code = kCommandInfo<129>.argument_slots[0];
-  ASSERT_EQ(value_names(code).size(), kBaudRates.size());
-  for (std::size_t i = 0; i < kBaudRates.size(); ++i)
-    EXPECT_EQ(value_name(code, static_cast<std::int32_t>(i)), std::to_string(kBaudRates[i]));
-}
-
-TEST(ValueNames, AreThoseOfTheEnumerators) {
-  const ArgumentInfo& event = kCommandInfo<158>.argument_slots[0];
-  EXPECT_EQ(named_value(event, "cliff"), static_cast<int>(ScriptEvent::cliff));
-  EXPECT_EQ(named_value(event, "no_home_base"), static_cast<int>(inverse(ScriptEvent::home_base)));
-  for (int value = 1; value <= 22; ++value)
-    EXPECT_EQ("no_" + std::string{value_name(event, value)}, value_name(event, -value));
-  const ArgumentInfo& demo = kCommandInfo<136>.argument_slots[0];
-  EXPECT_EQ(named_value(demo, "wimp"), static_cast<int>(DemoNumber::wimp));
-  for (int value = -1; value <= 9; ++value) EXPECT_NE(value_name(demo, value), "");
-}
-
-TEST(NearestName, IsNearWithinAThirdOfTheLetters) {
-  const auto nearest = [](std::string_view word) {
-    NearestName name{word};
-    for (const std::string_view candidate : {"play", "pause", "straight"}) name.consider(candidate);
-    return std::string{name.name()};
-  };
-  EXPECT_EQ(nearest("plya"), "play");
-  EXPECT_EQ(nearest("STRAIHGT"), "straight");
-  EXPECT_EQ(nearest("strght"), "straight");
-  EXPECT_EQ(nearest("paus"), "pause");
-  EXPECT_EQ(nearest("xxxx"), "");
-  EXPECT_EQ(nearest(""), "");
-  EXPECT_EQ(nearest(std::string(200, 'p')), "");
 }
 
 }  // namespace
