@@ -1,5 +1,5 @@
-// What any Create does of its manual's Scripts and Waits, asked only over its serial line, so that any
-// other device can be asked the same.
+// What any Create does of its manual's Scripts and Waits, asked only over its serial line, so
+// that any other device can be asked the same.
 #include <gtest/gtest.h>
 
 #include "tests/conformance/subject.hpp"
