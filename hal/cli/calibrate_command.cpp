@@ -26,6 +26,7 @@
 #include "hal/range.hpp"
 #include "hal/robot/calibration.hpp"
 #include "hal/robot/robot.hpp"
+#include "rt/realtime.hpp"
 
 namespace cargobay::cli {
 namespace {
@@ -232,6 +233,7 @@ int calibrate(const CalibrateOptions& given) {
     print_remark(options.write_file + " is not there yet: it will be made, with the wheel base");
   const auto config = configuration(options.port, options.pins);
   if (!config) return fail(config.failure());
+  if (config->cpu) rt::keep_off(*config->cpu);
   const auto chosen = choose_robot(*config, options.pins, parameters(options.sim),
                                    hal::below_loop(config->priority.value_or(kPriority)));
   if (!chosen) return fail(chosen.failure());

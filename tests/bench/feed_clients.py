@@ -11,6 +11,7 @@ machine for itself. --websocket: a `serve` that holds the robot still, with clie
 """
 
 import argparse
+import contextlib
 import json
 import os
 import pathlib
@@ -70,17 +71,27 @@ def web_socket(port):
     return client
 
 
+@contextlib.contextmanager
+def running(command, name, *arguments):
+    """Ended, if it still runs by then."""
+    words = [command[0], name, *command[1:], *arguments]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
+            process.wait()  # before its output is closed, which would end it too
+
+
 def drive(command, seconds, clients, folder):
     """One drive's report; and how many bytes its clients read."""
-    process = subprocess.Popen(
-        [command[0], "drive", *command[1:], "--duration", str(seconds), "--json", "-"],
-        stdout=subprocess.PIPE, text=True)
     readers = None
-    if clients:
-        feed = until(lambda: next(folder.iterdir(), None), "the drive's feed")
-        readers = Readers(clients, lambda: connected_to(feed))
-        readers.start()
-    out, _ = process.communicate()
+    with running(command, "drive", "--duration", str(seconds), "--json", "-") as process:
+        if clients:
+            feed = until(lambda: next(folder.iterdir(), None), "the drive's feed")
+            readers = Readers(clients, lambda: connected_to(feed))
+            readers.start()
+        out, _ = process.communicate()
     if readers:
         readers.over.set()
         readers.join()
@@ -91,17 +102,15 @@ def drive(command, seconds, clients, folder):
 
 def serve(command, seconds, clients, folder):
     """The statistics of one `serve`; and how many bytes its clients read."""
-    process = subprocess.Popen([command[0], "serve", *command[1:], "--http", "127.0.0.1:0"],
-                               stdout=subprocess.PIPE, text=True)
-    port = int(process.stdout.readline().rstrip("/\n").rsplit(":", 1)[1])
-    readers = Readers(clients, lambda: web_socket(port))
-    readers.start()
-    time.sleep(seconds)
-    statistics_now = Feed(next(folder.iterdir())).now("statistics")
-    process.send_signal(signal.SIGTERM)
+    with running(command, "serve", "--http", "127.0.0.1:0") as process:
+        port = int(process.stdout.readline().rstrip("/\n").rsplit(":", 1)[1])
+        readers = Readers(clients, lambda: web_socket(port))
+        readers.start()
+        time.sleep(seconds)
+        statistics_now = Feed(next(folder.iterdir())).now("statistics")
     readers.over.set()
     readers.join()
-    if process.wait() != 128 + signal.SIGTERM:
+    if process.returncode != 128 + signal.SIGTERM:
         sys.exit(f"serve ended with {process.returncode}")
     return statistics_now, readers.bytes
 

@@ -90,6 +90,7 @@ def parse(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--faults", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--times", type=int, default=1, help=argparse.SUPPRESS)
     stories = sorted(path.stem for path in (HERE / "stories").glob("*.toml"))
+    # None is one of the choices too.
     parser.add_argument("stories", nargs="*", choices=[*stories, []], help=argparse.SUPPRESS)
     given = parser.parse_intermixed_args(words)
     given.stories = given.stories or stories
